@@ -114,6 +114,40 @@ def points(value: Any, name: str) -> Floats:
     return finite(values, name)
 
 
+def polylines(value: Any, name: str) -> list[Floats]:
+    """Of two points or more each; a list of points, as an array (m, 3), is one polyline."""
+    try:
+        lines = list(value)
+    except TypeError:
+        raise InputError(f"{name} is {value!r}; allowed are polylines (m, 3)") from None
+    if lines and all(array(line, f"{name}[{k}]").ndim == 1 for k, line in enumerate(lines)):
+        named = [(name, lines)]
+    else:
+        named = [(f"{name}[{k}]", line) for k, line in enumerate(lines)]
+    found = []
+    for one, line in named:
+        found.append(points(line, one))
+        if len(found[-1]) < 2:
+            raise InputError(f"{one} is a single point; allowed are 2 points or more", "give points by seeds")
+    return found
+
+
+def starts(value: Any, count: int, each: str) -> Floats:
+    """The distance at each seed; None: 0."""
+    if value is None:
+        return np.zeros(count)
+    found = numbers(value, "start")
+    if found.shape != (count,):
+        raise InputError(f"start has shape {found.shape}; allowed is ({count},), one per {each}")
+    return finite(found, "start")
+
+
+def read_only(values: NDArray[Any]) -> NDArray[Any]:
+    """The same array, not to be written: of results that are kept."""
+    values.flags.writeable = False
+    return values
+
+
 def vector(value: Any, name: str) -> Floats:
     values = numbers(value, name)
     shaped(values, name, 3)

@@ -31,7 +31,7 @@ class Mesh(NamedTuple):
     vertices: Floats  # (n, 3)
     faces: NDArray[np.uint32]  # (m, 3), counter-clockwise seen from outside
     distance: Floats  # (n,), infinite where unreached
-    labels: Labels  # (n,), -1 where unreached
+    labels: Labels  # (n,), -1 where unreached; all -1 where Distance.labels raises InputError
     gradient: NDArray[np.float32]  # (n, 3), of the distance along the surface
     normals: NDArray[np.float32]  # (n, 3), unit
 
@@ -49,8 +49,8 @@ class LogMap:
 
     @cached_property
     def on_vertices(self) -> NDArray[np.float32]:
-        """(n, 2), numbered as the mesh; NaN where unreached, 0 at vertices that are seeds."""
-        return self.at(np.arange(len(self.surface.vertices)))
+        """(n, 2), numbered as the mesh; NaN where unreached, 0 at vertices that are seeds. Read-only."""
+        return arguments.read_only(self.at(np.arange(len(self.surface.vertices))))
 
     def at(self, points: ArrayLike, *, progress: Progress = None) -> NDArray[np.float32]:
         """(n, 2), at the points of the surface nearest to points (n, 3), or at vertices; world units times
@@ -78,7 +78,8 @@ def _picture(color_map: str, spacing: Optional[float], up: ArrayLike) -> _igeo.P
 class Distance:
     """The distance from the seeds of Solver.distance, in world units times weight.
 
-    Infinite where unreached. Properties are computed once.
+    Infinite where unreached. Properties are computed once, so their arrays are read-only; copy() can be
+    written.
     """
 
     def __init__(self, made: _igeo.Distance, surface: Surface) -> None:
@@ -92,7 +93,14 @@ class Distance:
                 f"{self.surface.name} is of kind {self.surface.kind}, and values at vertices need a mesh",
                 "use at(points), or mesh(), which has triangles with distances",
             )
-        return self._made.at_vertices(None)
+        distance, labels = self._made.at_vertices(None)
+        return arguments.read_only(distance), arguments.read_only(labels)
+
+    def _require_labels(self) -> None:
+        if not self._made.labeled:
+            raise InputError(
+                "labels need scheme='jet'", "leave scheme out: godunov does not know which seed a front comes from"
+            )
 
     @property
     def on_vertices(self) -> Floats:
@@ -101,7 +109,9 @@ class Distance:
 
     @property
     def labels(self) -> Labels:
-        """(n,), the nearest seed of each vertex, from 0; -1 where unreached or without a face."""
+        """(n,), the nearest seed of each vertex, from 0; -1 where unreached or without a face. Raises
+        InputError for several seeds with the scheme "godunov"."""
+        self._require_labels()
         return self._on_vertices[1]
 
     @cached_property
@@ -111,7 +121,7 @@ class Distance:
         used = ~np.isnan(self.on_vertices)
         gradient = np.full((len(used), 3), np.nan)
         gradient[used] = self.gradient_at(self.surface.vertices[used])
-        return gradient
+        return arguments.read_only(gradient)
 
     def at(self, points: ArrayLike, *, progress: Progress = None) -> Floats:
         """(n,), at the points of the surface nearest to points (n, 3), or at vertices.
@@ -126,6 +136,7 @@ class Distance:
 
     def labels_at(self, points: ArrayLike, *, progress: Progress = None) -> Labels:
         """(n,), as `labels`, at the points of the surface nearest to points (n, 3), or at vertices."""
+        self._require_labels()
         return self._values_at(points, progress)[2]
 
     def _values_at(self, points: ArrayLike, progress: Progress) -> tuple[Floats, Floats, Labels]:
@@ -182,7 +193,8 @@ class Distance:
 
     def mesh(self, *, progress: Progress = None) -> Mesh:
         """The surface as triangles: those of the mesh, refined, or the level set's."""
-        return Mesh(*self._made.mesh(progress))
+        mesh = Mesh(*self._made.mesh(progress))
+        return mesh if self._made.labeled else mesh._replace(labels=np.full_like(mesh.labels, -1))
 
     def to_vdb(self, path: Path, *, name: str = "") -> None:
         """Writes a grid of the distances for OpenVDB, active where they are known.

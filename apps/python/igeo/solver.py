@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Optional, Union
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from . import _arguments as arguments
 from . import _igeo
@@ -86,6 +86,7 @@ class Solver:
             progress,
         )
         self._made = plain
+        self._scheme = scheme
         curved = {
             "weight_curvature": weight_curvature,
             "weight_slope": weight_slope,
@@ -102,7 +103,7 @@ class Solver:
             self._made = self._with_metric(reader, weight, tensor, obstacles, progress)
         self._warned: set[str] = set()
         self._warned_of_lost = False
-        self._has_obstacles = obstacles is not None
+        self._looks_for_obstacles = obstacles is not None
 
     @staticmethod
     def _require_curved(curved: Mapping[str, Any], tensor: Any, scale: Optional[float]) -> None:
@@ -139,8 +140,10 @@ class Solver:
     def _add_seeds(self, seeds: _igeo.Seeds, value: Any, start: Any, name: str) -> None:
         """Adds one argument `seeds`: groups by name, a region, vertices or points."""
         if isinstance(value, Mapping):
-            for group, members in value.items():
-                seeds.add_group(str(group), self.surface._positions(members, f"{name}[{group!r}]"))
+            starts = arguments.starts(start, len(value), "group")
+            for (group, members), begin in zip(value.items(), starts):
+                positions = self.surface._positions(members, f"{name}[{group!r}]")
+                seeds.add_group(str(group), positions, np.full(len(positions), begin))
             return
         array = arguments.array(value, name)
         if array.dtype.kind in "iu" and array.shape == (3,) and len(set(array.tolist())) < 3:
@@ -150,22 +153,22 @@ class Solver:
             )
         if array.dtype.kind == "b":
             count = len(self.surface.vertices)
-            seeds.add_region(self._made, arguments.mask(array, name, count, "vertex"))
+            inside = arguments.mask(array, name, count, "vertex")
+            if not inside.any():
+                raise InputError(f"{name} is a region that holds no vertex", "make it true at one vertex or more")
+            if start is not None:
+                raise InputError("start is given for a region, which starts at 0", "leave it out")
+            seeds.add_region(self._made, inside)
             return
         positions = self.surface._positions(value, name)
-        starts = np.empty(0) if start is None else arguments.numbers(start, "start")
-        if start is not None:
-            if starts.shape != (len(positions),):
-                raise InputError(f"start has shape {starts.shape}; allowed is ({len(positions)},), one per seed")
-            arguments.finite(starts, "start")
-        seeds.add_points(positions, starts)
+        seeds.add_points(positions, arguments.starts(start, len(positions), "seed"))
 
     def distance(
         self,
         seeds: Any = None,
         *,
         start: Optional[ArrayLike] = None,
-        curves: Iterable[ArrayLike] = (),
+        curves: Union[ArrayLike, Iterable[ArrayLike]] = (),
         signed: bool = False,
         max_distance: float = math.inf,
         targets: Optional[ArrayLike] = None,
@@ -176,9 +179,11 @@ class Solver:
         seeds: points of floats, (k, 3) or (3,); vertices by number, integers of shape (k,) or one; a
             region, bool (n_vertices,); or groups of points by name, {"A": [0, 1, 2], ...}, each one
             source.
-        start: (k,), the distance at each seed, 0 or more; for points and vertices. SurfaceWarning where
-            the front of another seed arrives earlier, so that a seed has no effect.
-        curves: polylines (m, 3) on the surface; one whose last point is its first is closed.
+        start: (k,), the distance at each point, vertex or group, 0 or more; regions and curves start at
+            0. SurfaceWarning where the front of another seed arrives earlier, so that a seed has no
+            effect.
+        curves: polylines (m, 3) on the surface, m of 2 or more; one whose last point is its first is
+            closed. One array (m, 3) is one polyline.
         signed: negative inside a region, or on the smaller side of closed curves.
         max_distance: world units times weight; farther away the distance is infinite.
         targets: points or vertices; the march stops once it has reached all of them.
@@ -189,8 +194,9 @@ class Solver:
         asked = _igeo.Seeds()
         if seeds is not None:
             self._add_seeds(asked, seeds, start, "seeds")
-        for k, line in enumerate(curves):
-            vertices = arguments.points(line, f"curves[{k}]")
+        elif start is not None:
+            raise InputError("start is given without seeds, and curves start at 0", "leave it out")
+        for vertices in arguments.polylines(curves, "curves"):
             closed = len(vertices) > 2 and bool((vertices[0] == vertices[-1]).all())
             asked.add_curve(vertices[:-1] if closed else vertices, closed)
         asked.signed = bool(signed)
@@ -198,13 +204,8 @@ class Solver:
             max_distance = arguments.number(max_distance, "max_distance")
         ends = np.empty((0, 3)) if targets is None else self.surface._positions(targets, "targets")
         made = self._made.distance(asked, max_distance, ends, targets is not None, progress)
-        self._warn(made.of_whole_surface)
-        if start is not None:
-            warn(made.overrun, 3)
-        warn(made.costs, 3)
-        if not self._warned_of_lost and (lost := made.lost_vertices):
-            self._warned_of_lost = True
-            warn([lost], 3)
+        overrun = [] if start is None else made.overrun
+        self._warn(made.of_whole_surface, [*overrun, *made.costs], [self._lost_vertices(made)])
         return Distance(made, self.surface)
 
     def distances(
@@ -233,7 +234,10 @@ class Solver:
         points = None if at is None else self.surface._positions(at, "at")
         if max_distance != math.inf:
             max_distance = arguments.number(max_distance, "max_distance")
-        return self._made.distances(all_seeds, points, max_distance, progress)
+        look = not self._warned_of_lost
+        rows, of_whole_surface, costs, lost = self._made.distances(all_seeds, points, max_distance, look, progress)
+        self._warn(of_whole_surface, costs, [lost])
+        return rows
 
     def matrix(self, seeds: Any, targets: Optional[ArrayLike] = None, *, progress: Progress = None) -> Floats:
         """Distances between seeds, (k, k), or from each to each target, (k, m); on all cores.
@@ -242,21 +246,24 @@ class Solver:
             distance of their nearest points. targets: points or vertices.
         Between seeds each number is the mean of both directions. For the scheme "jet".
         """
+        self._require_jet("matrix")
         asked = _igeo.Seeds()
         self._add_seeds(asked, seeds, None, "seeds")
         ends = np.empty((0, 3)) if targets is None else self.surface._positions(targets, "targets")
         found = self._made.distance(asked, math.inf, ends, False, progress)
-        self._warn(found.of_whole_surface)
-        return found.matrix(progress)
+        look = not self._warned_of_lost
+        values, lost = found.matrix(look, progress)
+        self._warn(found.of_whole_surface, found.costs, [self._lost_vertices(found), lost])
+        return values
 
     def _pairs(
         self, sources: ArrayLike, targets: ArrayLike, paths: bool, straighten: bool, skip: bool, progress: Progress
-    ) -> tuple[Floats, list[tuple[str, Floats]]]:
+    ) -> tuple[Floats, list[tuple[str, Floats]], str]:
         starts = self.surface._positions(sources, "sources")
         ends = self.surface._positions(targets, "targets")
         if len(starts) != len(ends):
             raise InputError(f"sources has {len(starts)} points and targets {len(ends)}; allowed are as many of both")
-        return self._made.pairs(starts, ends, paths, straighten, skip, progress)
+        return self._made.pairs(starts, ends, paths, straighten, skip, not self._warned_of_lost, progress)
 
     def pairs(
         self,
@@ -274,7 +281,10 @@ class Solver:
         skip_off_surface: NaN for a pair with a point farther from the surface than `snap`, which
             raises InputError otherwise.
         """
-        return self._pairs(sources, targets, False, False, skip_off_surface, progress)[0]
+        self._require_jet("pairs")
+        found, _, lost = self._pairs(sources, targets, False, False, skip_off_surface, progress)
+        self._warn(self._made.has_whole_band, (), [lost])
+        return found
 
     def pair_paths(
         self,
@@ -290,7 +300,9 @@ class Solver:
         straighten: relax them to locally shortest curves, free of the error of the distance. All else
         as `pairs`.
         """
-        found = self._pairs(sources, targets, True, straighten, skip_off_surface, progress)[1]
+        self._require_jet("pair_paths")
+        _, found, lost = self._pairs(sources, targets, True, straighten, skip_off_surface, progress)
+        self._warn(self._made.has_whole_band, (), [lost])
         for k, (status, _) in enumerate(found):
             if status == "stalled":
                 raise Error(f"the path of pair {k} is stalled", "use smaller voxels, or move its points")
@@ -309,21 +321,24 @@ class Solver:
         Shape (0, 3) where no path joins two consecutive points, and where a closed curve contracts to
         a point. Raises InputError for a point farther from the surface than `snap`.
         """
-        return self._made.via(
-            self.surface._positions(points, "points"), bool(closed), bool(straighten), progress
-        )
+        self._require_jet("via")
+        line = self._made.via(self.surface._positions(points, "points"), bool(closed), bool(straighten), progress)
+        self._warn(self._made.has_whole_band)
+        return line
 
     def sample(self, count: int, seeds: Any = None, *, progress: Progress = None) -> Floats:
         """Farthest-point sampling: `count` points, (count, 3), each as far as possible from those
-        before it and from `seeds`."""
+        before it and from `seeds`. For the scheme "jet"."""
+        self._require_jet("sample")
         if not isinstance(count, (int, np.integer)) or count < 1:
             raise InputError(f"count is {count!r}; allowed are integers of 1 and more")
         asked = _igeo.Seeds()
         if seeds is not None:
             self._add_seeds(asked, seeds, None, "seeds")
         asked.samples = int(count)
-        found: NDArray[np.float64] = self._made.distance(asked, math.inf, np.empty((0, 3)), False, progress).seeds
-        return found[-int(count) :]
+        found = self._made.distance(asked, math.inf, np.empty((0, 3)), False, progress)
+        self._warn(found.of_whole_surface, found.costs, [self._lost_vertices(found)])
+        return found.seeds[-int(count) :]
 
     def shoot(
         self, start: ArrayLike, direction: ArrayLike, length: float, *, progress: Progress = None
@@ -346,15 +361,28 @@ class Solver:
                 "give points by at",
             )
 
-    def _warn(self, of_whole_surface: bool) -> None:
-        """Warns about the band, once."""
-        if not of_whole_surface or self._warned:
-            return
-        found = list(self._made.warnings)
-        if self._has_obstacles and not _igeo.blocks_any(self._made):
-            found.append("no obstacle meets the surface, so nothing is blocked")
-        self._warned = {"", *found}
-        warn(found, 4)
+    def _require_jet(self, what: str) -> None:
+        if self._scheme != "jet":
+            raise InputError(
+                f"{what} is marched with jet, and scheme={self._scheme!r} is asked for",
+                "leave scheme out; for distances by godunov take distance or distances",
+            )
+
+    def _lost_vertices(self, made: _igeo.Distance) -> str:
+        """A warning of them, until one has been given."""
+        return "" if self._warned_of_lost else made.lost_vertices
+
+    def _warn(self, of_whole_surface: bool, costs: Iterable[str] = (), lost: Iterable[str] = ()) -> None:
+        """Warns at the line that calls a method: of the band and of lost points once."""
+        found = [w for w in self._made.warnings(of_whole_surface) if w not in self._warned]
+        if of_whole_surface and self._looks_for_obstacles:
+            self._looks_for_obstacles = False
+            if not _igeo.blocks_any(self._made):
+                found.append("no obstacle meets the surface, so nothing is blocked")
+        self._warned.update(found)
+        lost = [w for w in lost if w]
+        self._warned_of_lost = self._warned_of_lost or bool(lost)
+        warn([*found, *costs, *lost], 4)
 
     def __repr__(self) -> str:
         return f"<igeo.Solver on {self.surface.name}: band {self._made.band:.4g} voxels, snap {self.snap:.4g}>"

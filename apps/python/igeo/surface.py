@@ -236,7 +236,9 @@ class Surface:
 
     @property
     def faces(self) -> NDArray[np.uint32]:
-        """(m, 3), of a mesh; polygons are cut into fans. Raises InputError for others."""
+        """(m, 3), of a mesh, with the numbers of `vertices`. If it has polygons, the triangles that it
+        is solved on, into which these are cut; such as have shrunk to a line are left out. Raises
+        InputError for others."""
         faces = self._made.faces
         if faces is None:
             raise InputError(f"{self.name} is no mesh, and has no faces", "Distance.mesh() has some")

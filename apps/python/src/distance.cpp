@@ -6,6 +6,7 @@
 #include "arrays.h"
 #include "background.h"
 #include "bindings.h"
+#include "lost_rows.h"
 
 namespace {
 
@@ -166,12 +167,33 @@ Array<double> axesOf(const PointMap& m) {
     return owning<double>(std::move(axes), {n, 2, 3});
 }
 
-/// Rows for seeds or groups; columns for targets, or the same.
-Array<double> matrixOf(const Distance& d, const py::object& progress) {
-    igeo::DistanceMatrix matrix =
-        inBackground(progress, [&](igeo::Progress& p) { return d.matrix(p); });
+/// Rows for seeds or groups; columns for targets, or the same. And a warning of lost points.
+py::tuple matrixOf(const Distance& d, bool lookForLost, const py::object& progress) {
+    std::string lost;
+    igeo::DistanceMatrix matrix = inBackground(progress, [&](igeo::Progress& p) {
+        igeo::DistanceMatrix made = d.matrix(p);
+        const igeo::Field& field = *d.marched();
+        const auto seedsOf = [&](std::size_t row) {
+            std::vector<igeo::SurfacePoint> seeds;
+            for (std::size_t s = 0; s < field.seeds.size(); ++s)
+                if (field.source[s] == row) seeds.push_back(field.seeds[s]);
+            return seeds;
+        };
+        std::vector<igeo::Vec3d> columns;
+        for (const igeo::MatrixPlace& target : made.targets)
+            columns.push_back(target.point.position);
+        if (lookForLost)
+            lost = lostOfRows(d.band(), field.metric, columns, made.rows(), made.distance.data(),
+                              "distances of the matrix", seedsOf);
+        return made;
+    });
     const auto rows = py::ssize_t(matrix.rows()), columns = py::ssize_t(matrix.targets.size());
-    return owning<double>(std::move(matrix.distance), {rows, columns});
+    return py::make_tuple(owning<double>(std::move(matrix.distance), {rows, columns}), lost);
+}
+
+/// Whether labels tell the sources apart: godunov does not know which seed a front comes from.
+bool isLabeled(const Distance& d) {
+    return d.marched()->atFootPoints || d.marched()->sourceCount() <= 1;
 }
 
 void bindPicture(py::module_& module) {
@@ -213,7 +235,8 @@ void bindDistance(py::module_& module) {
         .def("page", &page, "options"_a, "targets"_a, "progress"_a)
         .def("write_grid", &writeGrid, "file"_a, "name"_a)
         .def("mesh", &meshOf, "progress"_a)
-        .def("matrix", &matrixOf, "progress"_a)
+        .def("matrix", &matrixOf, "look_for_lost"_a, "progress"_a)
+        .def_property_readonly("labeled", &isLabeled)
         .def_property_readonly("overrun",
                                [](const Distance& d) {
                                    const py::gil_scoped_release released;

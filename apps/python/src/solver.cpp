@@ -8,6 +8,7 @@
 #include "arrays.h"
 #include "background.h"
 #include "bindings.h"
+#include "lost_rows.h"
 
 namespace {
 
@@ -47,15 +48,20 @@ MarchLimits limitsOf(double maxDistance, const Array<double>& targets, bool stop
     return {maxDistance, pointsOf(targets), stopAtTargets};
 }
 
-/// A row per element of `all`, at the points or, without any, at the vertices of the mesh.
-Array<double> distances(const GeodesicSolver& solver, const std::vector<Seeds>& all,
-                        const std::optional<Array<double>>& at, double maxDistance,
-                        const py::object& progress) {
+/// A row per element of `all`, at the points or, without any, at the vertices of the mesh; then
+/// whether a march was of the whole surface, warnings of the costs, and one of lost points.
+py::tuple distances(const GeodesicSolver& solver, const std::vector<Seeds>& all,
+                    const std::optional<Array<double>>& at, double maxDistance, bool lookForLost,
+                    const py::object& progress) {
     const MarchLimits limits{maxDistance};
-    const std::vector<igeo::Vec3d> points = at ? pointsOf(*at) : std::vector<igeo::Vec3d>{};
-    const std::size_t columns = at ? points.size() : solver.surface().vertices()->size();
+    const std::vector<igeo::Vec3d> points = at ? pointsOf(*at) : *solver.surface().vertices();
+    const std::size_t columns = points.size();
     Array<double> rows({py::ssize_t(all.size()), py::ssize_t(columns)});
     double* const first = rows.mutable_data();
+    std::vector<std::vector<igeo::SurfacePoint>> seeds(all.size());
+    std::atomic<bool> whole{false};
+    std::vector<std::string> costs;
+    std::string lost;
     runInBackground(progress, [&](igeo::Progress& p) {
         igeo::CancelOnly quiet(p);
         std::optional<igeo::VertexReader> vertices;
@@ -74,25 +80,56 @@ Array<double> distances(const GeodesicSolver& solver, const std::vector<Seeds>& 
                     std::transform(values.begin(), values.end(), row,
                                    [](const igeo::PointValue& v) { return v.distance; });
                 }
+                if (found.ofWholeSurface()) whole = true;
+                if (k == 0) costs = found.costWarnings();
+                seeds[k] = found.seeds();
                 p.update("rows", double(++done) / double(all.size()));
             }
         });
+        const double* const last = first + all.size() * columns;
+        if (lookForLost && maxDistance == igeo::kInfinity &&
+            std::find(static_cast<const double*>(first), last, igeo::kInfinity) != last)
+            lost = lostOfRows(*solver.wholeBand(quiet), solver.wholeMetric(quiet), points,
+                              all.size(), first, "distances from single seeds",
+                              [&](std::size_t k) { return seeds[k]; });
     });
-    return rows;
+    return py::make_tuple(rows, bool(whole), costs, lost);
 }
 
-/// Distances of pairs, and their paths if requested; NaN and no path for a skipped pair with a
-/// point off the surface.
+/// A sentence on pairs without a distance that triangles join; empty where there are none.
+std::string lostPairs(const GeodesicSolver& solver, const std::vector<igeo::PairDistance>& pairs,
+                      igeo::Progress& progress) {
+    const auto found = [](const igeo::PairDistance& p) {
+        return p.isSkipped() || p.distance < igeo::kInfinity;
+    };
+    if (std::all_of(pairs.begin(), pairs.end(), found)) return "";
+    const auto band = solver.wholeBand(progress);
+    igeo::LostPoints lost(*band, solver.wholeMetric(progress));
+    for (const igeo::PairDistance& p : pairs) {
+        if (p.isSkipped()) continue;
+        igeo::SurfacePoint source;
+        source.pIndex = band->transform.indexFromWorld(p.source.position);
+        lost.add({source}, {p.target.position}, {p.distance});
+    }
+    return lost.warning("pairs");
+}
+
+/// Distances of pairs, their paths if requested, and a warning of lost ones; NaN and no path for a
+/// skipped pair with a point off the surface.
 py::tuple pairs(const GeodesicSolver& solver, const Array<double>& sources,
                 const Array<double>& targets, bool withPaths, bool straighten, bool skip,
-                const py::object& progress) {
+                bool lookForLost, const py::object& progress) {
     igeo::QueryRules rules = solver.options().rules;
     rules.skipOffSurface = skip;
     const auto from = pointsOf(sources), to = pointsOf(targets);
+    std::string lost;
     std::vector<igeo::PairDistance> found = inBackground(progress, [&](igeo::Progress& p) {
         const GeodesicSolver skipping = solver.with(rules);
-        return withPaths ? skipping.pairPaths(from, to, straighten, p)
-                         : skipping.pairs(from, to, p);
+        auto solved =
+            withPaths ? skipping.pairPaths(from, to, straighten, p) : skipping.pairs(from, to, p);
+        igeo::CancelOnly quiet(p);
+        if (lookForLost) lost = lostPairs(solver, solved, quiet);
+        return solved;
     });
     std::vector<double> distance;
     py::list paths;
@@ -102,14 +139,19 @@ py::tuple pairs(const GeodesicSolver& solver, const Array<double>& sources,
             paths.append(py::make_tuple(igeo::toString(pair.path.status),
                                         arrayOf(std::move(pair.path.points))));
     }
-    return py::make_tuple(arrayOf(std::move(distance)), paths);
+    return py::make_tuple(arrayOf(std::move(distance)), paths, lost);
 }
 
-/// Warnings about the band of the whole surface, if it has been made.
-std::vector<std::string> warningsOf(const GeodesicSolver& solver) {
+/// The band of the whole surface if it has been made, else null.
+std::shared_ptr<const igeo::Band> madeBand(const GeodesicSolver& solver) {
+    return solver.surface().madeBand(solver.bandWidth());
+}
+
+/// Warnings about the width of the band, and about the whole surface if its band has been made.
+std::vector<std::string> warningsOf(const GeodesicSolver& solver, bool ofWholeSurface) {
     std::vector<std::string> warnings = solver.bandWidth().warnings;
     const py::gil_scoped_release released;
-    if (const auto band = solver.surface().madeBand(solver.bandWidth()))
+    if (const auto band = ofWholeSurface ? madeBand(solver) : nullptr)
         for (const std::string& w : igeo::unresolvedWarnings(solver.surface().unresolved(*band)))
             warnings.push_back(w);
     return warnings;
@@ -127,10 +169,11 @@ void bindSeeds(py::module_& module) {
             "points"_a, "starts"_a)
         .def(
             "add_group",
-            [](Seeds& s, const std::string& name, const Array<double>& points) {
-                s.groups.push_back({name, seedsOf(points, {})});
+            [](Seeds& s, const std::string& name, const Array<double>& points,
+               const Array<double>& starts) {
+                s.groups.push_back({name, seedsOf(points, starts)});
             },
-            "name"_a, "points"_a)
+            "name"_a, "points"_a, "starts"_a)
         .def(
             "add_curve",
             [](Seeds& s, const Array<double>& points, bool closed) {
@@ -159,7 +202,8 @@ void bindSolver(py::module_& module) {
                     progress, [&](igeo::Progress& p) { return s.distance(seeds, limits, p); });
             },
             "seeds"_a, "max_distance"_a, "targets"_a, "stop_at_targets"_a, "progress"_a)
-        .def("distances", &distances, "seeds"_a, "at"_a, "max_distance"_a, "progress"_a)
+        .def("distances", &distances, "seeds"_a, "at"_a, "max_distance"_a, "look_for_lost"_a,
+             "progress"_a)
         .def(
             "shoot",
             [](const GeodesicSolver& s, const Array<double>& from, const Array<double>& direction,
@@ -171,7 +215,7 @@ void bindSolver(py::module_& module) {
             },
             "start"_a, "direction"_a, "length"_a, "progress"_a)
         .def("pairs", &pairs, "sources"_a, "targets"_a, "paths"_a, "straighten"_a, "skip"_a,
-             "progress"_a)
+             "look_for_lost"_a, "progress"_a)
         .def(
             "via",
             [](const GeodesicSolver& s, const Array<double>& through, bool closed, bool straighten,
@@ -185,5 +229,7 @@ void bindSolver(py::module_& module) {
             "points"_a, "closed"_a, "straighten"_a, "progress"_a)
         .def_property_readonly("snap", &GeodesicSolver::maxSnap)
         .def_property_readonly("band", [](const GeodesicSolver& s) { return s.bandWidth().h; })
-        .def_property_readonly("warnings", &warningsOf);
+        .def_property_readonly("has_whole_band",
+                               [](const GeodesicSolver& s) { return madeBand(s) != nullptr; })
+        .def("warnings", &warningsOf, "of_whole_surface"_a);
 }

@@ -153,18 +153,44 @@ py::object verticesOf(const py::object& self) {
     return view;
 }
 
-/// Triangles with vertex numbers; polygons become fans.
+/// Whether all faces of a mesh are triangles.
+bool isOfTriangles(const igeo::PolygonMesh& mesh) {
+    for (std::size_t f = 0; f < mesh.faces(); ++f)
+        if (mesh.face(f).size() != 3) return false;
+    return true;
+}
+
+/// The triangles of a mesh, in the order of its faces, with the vertex numbers of these.
+std::vector<igeo::TriangleMesh::Triangle> cutFaces(const igeo::TriangleMesh& mesh) {
+    constexpr std::uint32_t kNone = igeo::TriangleMesh::kNoPoint;
+    std::vector<igeo::TriangleMesh::Triangle> found;
+    for (std::size_t f = 0; f < mesh.source->faces(); ++f) {
+        const auto face = mesh.source->face(f);
+        const auto vertexAt = [&](std::uint32_t point) {
+            for (const std::uint32_t v : face)
+                if (mesh.pointOfVertex[v] == point) return v;
+            return kNone;
+        };
+        // A face of n corners has n - 2 triangles, or fewer where some have shrunk or are repeated.
+        for (std::size_t k = 2; k < face.size() && found.size() < mesh.triangles.size(); ++k) {
+            const auto& [a, b, c] = mesh.triangles[found.size()];
+            const igeo::TriangleMesh::Triangle t{vertexAt(a), vertexAt(b), vertexAt(c)};
+            if (t[0] == kNone || t[1] == kNone || t[2] == kNone) break;
+            found.push_back(t);
+        }
+    }
+    return found;
+}
+
+/// Triangles with vertex numbers: those of the file, or those that its polygons are cut into.
 py::object facesOf(const Surface& surface) {
     const igeo::TriangleMesh* mesh = surface.triangles();
     if (!mesh) return py::none();
     if (!mesh->source) return arrayOf(std::vector(mesh->triangles));
-    std::vector<igeo::TriangleMesh::Triangle> fans;
-    for (std::size_t f = 0; f < mesh->source->faces(); ++f) {
-        const auto face = mesh->source->face(f);
-        for (std::size_t k = 2; k < face.size(); ++k)
-            fans.push_back({face[0], face[k - 1], face[k]});
-    }
-    return arrayOf(std::move(fans));
+    if (!isOfTriangles(*mesh->source)) return arrayOf(cutFaces(*mesh));
+    const auto& corners = mesh->source->corners;
+    const auto n = py::ssize_t(mesh->source->faces());
+    return owning<std::uint32_t>(std::vector(corners), {n, 3});
 }
 
 }  // namespace

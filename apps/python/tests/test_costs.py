@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import igeo
-from conftest import ROOT, run_program, sheet
+from conftest import ROOT, grid, run_program, sheet
 
 # 1.5 times what was measured: 1.3e-3, 5.4e-7, 9.1e-5, 5.7e-3.
 WEIGHT, TENSOR, TURNED, OBSTACLE = 1.9e-3, 8.1e-7, 1.4e-4, 8.6e-3
@@ -171,16 +171,71 @@ def test_a_seed_that_another_front_has_overrun_is_a_warning():
         solver.distance([0, 10], start=[0, 5])
 
 
-def test_vertices_that_the_voxels_lose_are_a_warning_once():
+def book(*angles):
+    """Pages from one edge, of 121 vertices each: vertices and faces. The voxels lose a page close to others."""
     points, faces = [], []
-    for degrees in (0.3, 0.8, 1.3):  # pages from one edge: the middle one lies in the voxels of both
+    for angle in np.radians(angles):
         page, triangles = sheet(11)
-        angle, first = np.radians(degrees), 121 * len(points)
+        faces.append(triangles + 121 * len(points))
         points.append(np.column_stack([page[:, 0] * np.cos(angle), page[:, 1], page[:, 0] * np.sin(angle)]))
-        faces.append(triangles + first)
-    solver = igeo.Solver(igeo.Surface.from_mesh(np.concatenate(points), np.concatenate(faces), resolution=32))
+    return np.concatenate(points), np.concatenate(faces)
+
+
+def test_vertices_that_the_voxels_lose_are_a_warning_once():
+    solver = igeo.Solver(igeo.Surface.from_mesh(*book(0.3, 0.8, 1.3), resolution=32))
     with pytest.warns(igeo.SurfaceWarning, match="vertices .* have no distance, though triangles join them to a seed"):
         solver.distance(60)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         solver.distance(61)
+
+
+def warned(call):
+    """The warnings of a call, all at the line that makes it."""
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        call()
+    assert all(w.filename == __file__ for w in found)
+    return [str(w.message) for w in found if issubclass(w.category, igeo.SurfaceWarning)]
+
+
+def test_every_method_warns_of_lost_points_once():
+    surface = igeo.Surface.from_mesh(*book(0.3, 0.8, 1.3), resolution=32)
+    lost = np.flatnonzero(np.isinf(igeo.Solver(surface).distances([60])[0]))[-1:]
+    for call, what in [
+        (lambda s: s.distances([60, 61]), "distances from single seeds"),
+        (lambda s: s.distances([60], at=lost), "distances from single seeds"),
+        (lambda s: s.matrix([60], lost), "distances of the matrix"),
+        (lambda s: s.pairs([60], lost), "pairs"),
+        (lambda s: s.pair_paths([60], lost), "pairs"),
+    ]:
+        solver = igeo.Solver(surface)
+        found = warned(lambda: call(solver))
+        assert any(f" {what} (" in w and "though triangles join them to a seed" in w for w in found), (what, found)
+        assert not any("triangles join" in w for w in warned(lambda: call(solver)))
+
+
+def test_every_method_warns_of_the_band_and_of_idle_obstacles_once():
+    """A shell as thin as a voxel, whose sheets no path joins: the pair takes the whole surface."""
+    x, y, z, spacing, origin = grid(48, 1.3)
+    shell = np.abs(np.sqrt(x**2 + y**2 + z**2) - 1) - 0.5 * spacing
+    surface = igeo.Surface.from_level_set(shell, spacing=spacing, origin=origin)
+    outer, inner = [[0, 0, 1 + 0.5 * spacing]], [[0, 0, 0.5 * spacing - 1]]
+    for call in [
+        lambda s: s.distances(outer, at=outer),
+        lambda s: s.matrix(outer),
+        lambda s: s.sample(2),
+        lambda s: s.pairs(outer, inner),
+        lambda s: s.pair_paths(outer, inner),
+        lambda s: s.via(outer + inner),
+    ]:
+        solver = igeo.Solver(surface, obstacles=igeo.Sphere([9, 9, 9], 1))
+        found = warned(lambda: call(solver))
+        assert any("1.1 voxels" in w for w in found) and any("no obstacle meets the surface" in w for w in found), found
+        assert not warned(lambda: call(solver))
+
+
+def test_steep_weights_are_a_warning(flat):
+    solver = igeo.Solver(flat, weight=np.exp(60 * flat.vertices[:, 0] % 4))
+    for call in (lambda: solver.distance([0]), lambda: solver.distances([0, 1]), lambda: solver.sample(2)):
+        assert any("weights change by more than 40 %" in w for w in warned(call))

@@ -83,7 +83,7 @@ def test_volumes_and_points():
 
 
 def test_seeds(sheet_solver, sphere_solver):
-    solver = sheet_solver
+    solver, line = sheet_solver, [[0.0, 0, 0], [1.0, 0, 0]]
     for call, message in [
         (lambda: solver.distance(), "no seed"),
         (lambda: solver.distance([]), r"seeds has shape \(0,\)"),
@@ -94,6 +94,15 @@ def test_seeds(sheet_solver, sphere_solver):
         (lambda: solver.distance([[0.5, 0.5, 2.0]]), "seed 0 .* from the surface"),
         (lambda: solver.distance([0], start=[1.0, 2]), r"start has shape \(2,\); allowed is \(1,\)"),
         (lambda: solver.distance([0], start=[-1.0]), "seed 0 starts at -1"),
+        (lambda: solver.distance({"A": [0, 1]}, start=[1.0, 2]), r"start has shape \(2,\); .*, one per group"),
+        (lambda: solver.distance({"A": [0, 1]}, start=[-1.0]), "a seed of group A starts at -1"),
+        (lambda: solver.distance(np.arange(441) < 50, start=[1.0]), "start is given for a region"),
+        (lambda: solver.distance(curves=line, start=[1.0]), "start is given without seeds, and curves start at 0"),
+        (lambda: solver.distance(np.zeros(441, bool)), "seeds is a region that holds no vertex"),
+        (lambda: solver.distances([[0], np.zeros(441, bool)]), r"many\[1\] is a region that holds no vertex"),
+        (lambda: solver.distance(curves=[0, 5, 9]), r"curves\[0\] has shape \(\)"),
+        (lambda: solver.distance(curves=[[0, 5, 9, 12]]), r"curves has shape \(1, 4\)"),
+        (lambda: solver.distance(curves=5), "curves is 5; allowed are polylines"),
         (lambda: solver.distance([0], max_distance=-2), "max_distance is -2"),
         (lambda: solver.distance([0], signed=True), "signed distance"),
         (lambda: solver.distance(np.ones(7, bool)), r"seeds has shape \(7,\); allowed is \(441,\)"),
@@ -116,6 +125,27 @@ def test_seeds(sheet_solver, sphere_solver):
     ]:
         with pytest.raises(igeo.Error, match=message):
             call()
+
+
+def test_what_godunov_does_not_do():
+    """Results that are marched with jet, and labels, are refused in place of other numbers."""
+    surface = igeo.Surface.from_mesh(VERTICES, FACES, resolution=32)
+    solver = igeo.Solver(surface, scheme="godunov")
+    for call, what in [
+        (lambda: solver.matrix([0, 4]), "matrix"),
+        (lambda: solver.pairs([0], [4]), "pairs"),
+        (lambda: solver.pair_paths([0], [4]), "pair_paths"),
+        (lambda: solver.via([0, 4]), "via"),
+        (lambda: solver.sample(3), "sample"),
+    ]:
+        with pytest.raises(igeo.InputError, match=f"{what} is marched with jet, and scheme='godunov' is asked for"):
+            call()
+    both, one = solver.distance([0, 24]), solver.distance([0])
+    for call in (lambda: both.labels, lambda: both.labels_at([7])):
+        with pytest.raises(igeo.InputError, match="labels need scheme='jet'"):
+            call()
+    assert (both.mesh().labels == -1).all() and (one.mesh().labels == 0).all() and (one.labels == 0).all()
+    assert (solver.distances([0, 24])[1] == solver.distance([24]).on_vertices).all()
 
 
 def test_costs():

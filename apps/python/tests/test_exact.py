@@ -120,6 +120,14 @@ def test_starts_labels_groups_and_limits(sheet_solver):
     assert stopped.at(vertices[44]) == pytest.approx(np.hypot(0.1, 0.1), abs=1e-6)
 
 
+def test_groups_start_as_asked(sheet_solver):
+    vertices = sheet_solver.surface.vertices
+    left, right = np.flatnonzero(vertices[:, 0] == 0), np.flatnonzero(vertices[:, 0] == 1)
+    found = sheet_solver.distance({"left": left, "right": right}, start=[0.5, 0.1])
+    exact = np.minimum(0.5 + vertices[:, 0], 0.1 + 1 - vertices[:, 0])
+    assert np.abs(found.on_vertices - exact).max() < 2e-3
+
+
 def test_isolines_are_circles(sheet_solver):
     lines = sheet_solver.distance([220]).isolines([0.2, 0.1])
     assert [line.level for line in lines] == pytest.approx([0.1, 0.2]) and all(line.closed for line in lines)
@@ -139,6 +147,20 @@ def test_curves_and_signs(sheet_solver):
     inside = np.linalg.norm(sheet_solver.surface.vertices - [0.5, 0.5, 0], axis=1) < 0.26
     region = sheet_solver.distance(inside, signed=True)
     assert region.at([[0.5, 0.5, 0]])[0] < -0.2 and region.at([[0.95, 0.5, 0]])[0] > 0.1
+
+
+def test_an_array_is_one_curve(sphere_solver):
+    """A list of polylines, each by itself, gives the same; a point is no curve."""
+    angle = np.linspace(0, np.pi / 2, 13)
+    line = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    points = directions(50)
+    expected = sphere_solver.distance(curves=[line]).at(points)
+    for curves in (line, line.tolist(), list(line), iter([line]), line[np.newaxis]):
+        assert (sphere_solver.distance(curves=curves).at(points) == expected).all()
+    for curves, name in (([line, line[0]], r"curves\[1\]"), (line[:1], "curves"), ([line[:1]], r"curves\[0\]")):
+        with pytest.raises(igeo.InputError, match=f"{name} is a single point; allowed are 2 points or more") as refusal:
+            sphere_solver.distance(curves=curves)
+        assert refusal.value.remedy == "give points by seeds"
 
 
 def test_matrix_and_many(sheet_solver):
@@ -174,6 +196,29 @@ def test_meshes_that_come_out(sphere_solver):
     vertices, faces = ball()
     surface = igeo.Surface.from_mesh(vertices, faces, resolution=48)
     assert (surface.vertices == vertices).all() and (surface.faces == faces).all()
+
+
+def area(vertices, faces):
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+
+
+def test_faces_of_polygons_are_the_triangles_solved_on(tmp_path):
+    """A concave polygon of area 84, whose fan from the corner 7 has 116; beside a triangle, a square, a
+    triangle that has shrunk to a line, and one on a vertex that repeats another."""
+    corners = [(0, 0), (10, 0), (10, 10), (6, 10), (6, 2), (4, 2), (4, 10), (0, 10), (5, -6), (20, 0), (20, 10)]
+    corners += [(10, 0), (15, -6)]
+    lines = [f"v {x} {y} 0" for x, y in corners]
+    lines += ["f 7 6 5 4 3 2 1 8", "f 1 9 2", "f 1 1 2", "f 2 10 11 3", "f 12 13 10"]
+    (tmp_path / "u.obj").write_text("\n".join(lines) + "\n")
+    surface = igeo.Surface.read(tmp_path / "u.obj", resolution=32)
+    assert surface.faces.dtype == np.uint32 and surface.faces.shape == (10, 3)
+    assert area(surface.vertices, surface.faces[:6]) == pytest.approx(84)
+    assert set(surface.faces[:6].ravel()) == set(range(8))
+    assert surface.faces[6].tolist() == [0, 8, 1] and surface.faces[9].tolist() == [11, 12, 9]
+    assert area(surface.vertices, surface.faces[7:9]) == pytest.approx(100)
+    a, b, c = (surface.vertices[surface.faces[:6, k]] for k in range(3))
+    assert (np.cross(b - a, c - a)[:, 2] < 0).all()  # as the polygon turns
 
 
 def test_vertices_without_faces_are_nan():

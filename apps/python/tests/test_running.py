@@ -132,6 +132,21 @@ def test_results_are_not_copied_and_outlive_their_makers():
     assert not view.flags.writeable and not view.flags.owndata
     assert view.__array_interface__["data"] == surface.vertices.__array_interface__["data"]
     numbers = igeo.Solver(surface).distance([0]).on_vertices
-    assert not numbers.flags.owndata and numbers.flags.writeable
+    assert not numbers.flags.owndata
     del surface
     assert (view == vertices).all() and numbers[0] == 0
+
+
+def test_results_that_are_kept_cannot_be_written():
+    """They are the same array each time, which a change would spoil."""
+    vertices, faces = ball(8)
+    distance = igeo.Solver(igeo.Surface.from_mesh(vertices, faces, resolution=32)).distance([0, 5])
+    one = igeo.Solver(distance.surface).distance([0])
+    for kept in (distance.on_vertices, distance.labels, distance.gradient, one.log_map().on_vertices):
+        with pytest.raises(ValueError, match="read-only"):
+            kept[:] = 7
+        kept.copy()[:] = 7
+    assert distance.on_vertices[0] == 0 and distance.labels[5] == 1
+    own = distance.at(vertices)
+    own[:] = 7
+    assert (distance.at(vertices) == distance.on_vertices).all()
