@@ -229,6 +229,19 @@ TEST_CASE("paths lead around obstacles of every kind") {
         kUsage, {"target 1", "inside an obstacle"});
 }
 
+TEST_CASE("seeds from which no front starts are refused") {
+    const TempWorkspace desk;
+    desk.make("in.vdb", "sphere --voxel-size 0.05");
+    std::ofstream(desk / "line.json") << "[[0.1, 0, 1], [0, 0, 1], [0, 0.1, 1]]";
+    const std::string in = "--sdf in.vdb -o out.vdb ";
+    requireRefused(desk, in + "--seed-curve line.json --obstacle-sphere 0,0,1,0.4", kUsage,
+                   {"line.json", "inside obstacles", "move it"});
+    requireDone(desk, in + "-q --seed-curve line.json --obstacle-sphere 0.1,0,1,0.06");
+    std::ofstream(desk / "late.csv") << "0,0,1,5\n";
+    requireRefused(desk, in + "--seeds late.csv --max-distance 1", kUsage,
+                   {"starts at 5", "largest distance, 1", "larger limit"});
+}
+
 TEST_CASE("a wall leaves what is behind it unreached") {
     const WeighedSphere desk;
     const Result result = desk.run(
