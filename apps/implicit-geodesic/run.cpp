@@ -196,10 +196,10 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
     report.vias = solveVias(solver, o, stages);
     if (const auto whole = solver.surface().madeBand(solver.bandWidth());
         whole && !distance.ofWholeSurface()) {
-        const igeo::MetricPtr made = solver.wholeMetric(stages);
-        const igeo::Metric metric = made ? *made : igeo::Metric{};
-        warnOf(*whole, metric);
-        for (const std::string& w : igeo::costWarnings(*whole, metric, true)) report.warn(w);
+        const igeo::MetricPtr made = solver.wholeMetric(stages),
+                              metric = made ? made : std::make_shared<const igeo::Metric>();
+        warnOf(*whole, *metric);
+        for (const std::string& w : igeo::costWarnings(*whole, *metric, true)) report.warn(w);
     }
     warnOfSkippedPoints(distance, report);
     warnOfLostPoints(solver, distance, report);

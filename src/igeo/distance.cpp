@@ -260,10 +260,11 @@ Extent Distance::extent() const {
         const std::lock_guard<std::mutex> lock(fields_->mutex);
         if (fields_->extent) return *fields_->extent;
         const Field& f = *fields_->latest();
-        if (!fields_->largest) fields_->largest = largestOnBand(f);
         // The core's share of what obstacles hide is not the band's.
-        if (!f.core || f.stoppedEarly || f.reached == f.size() || !f.metric->obstacles)
+        if (!f.core || f.stoppedEarly || f.reached == f.size() || !f.metric->obstacles) {
+            if (!fields_->largest) fields_->largest = largestOnBand(f);
             return {f.core ? band_->coreSize() : band_->size(), f.reached, *fields_->largest};
+        }
     }
     const Field& whole = field();
     return {band_->size(), whole.reached, whole.maxDistance};

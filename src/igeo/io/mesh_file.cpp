@@ -264,10 +264,7 @@ void takePolygons(TriangleMesh& mesh, PolygonMesh polygons) {
 void warnOfRounding(TriangleMesh& mesh) {
     constexpr double kMost = 1e-5, kSingle = 6e-8;
     const Box box(mesh.points);
-    double furthest = 0;
-    for (int a = 0; a < 3; ++a)
-        furthest = std::max({furthest, std::abs(box.low[a]), std::abs(box.high[a])});
-    const double off = kSingle * furthest, size = length(box.size());
+    const double farthest = box.farthest(), off = kSingle * farthest, size = length(box.size());
     if (!(off > kMost * size)) return;
     for (const Vec3d& p : mesh.points)
         for (int a = 0; a < 3; ++a)
@@ -275,7 +272,7 @@ void warnOfRounding(TriangleMesh& mesh) {
     mesh.warnings.push_back(
         fmt::format("coordinates up to {:.4g} on a mesh {:.4g} across: single precision puts "
                     "points off by {:.2g}; move the mesh to the origin",
-                    furthest, size, off));
+                    farthest, size, off));
 }
 
 /// Checks that every mesh must pass, and weld().

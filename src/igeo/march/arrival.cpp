@@ -43,9 +43,7 @@ SurfaceCell cellOnSheet(const Field& field, const Vec3d& p, const Vec3d& sheetNo
     for (NodeIndex& i : joined.node)
         if (i != kNoNode && !psiJoins(band, p, band.footPoint(i)))
             i = kNoNode, joined.complete = false;
-    const bool isAlone = std::all_of(joined.node.begin(), joined.node.end(),
-                                     [](NodeIndex i) { return i == kNoNode; });
-    return isAlone ? all : joined;
+    return joined.empty() ? all : joined;
 }
 
 /// Reads a field at a point of S.
@@ -176,8 +174,9 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
                    flat = !walks && field_.atFootPoints && alongSurface(s, p_ - at);
         const double mean = meanToSeed(field_, s, p_, here);
         if (walks && !(s.start + mean * r < least.distance)) return;
-        const double cost = walks ? mean * walkFrom(at, field_.startRadius)
-                                  : costToSeed(field_, s, p_, cell_.normal, here),
+        const double cost = walks                   ? mean * walkFrom(at, field_.startRadius)
+                            : metric_.anisotropic() ? costToSeed(field_, s, p_, cell_.normal, here)
+                                                    : mean * r,
                      perVoxel = metric_.anisotropic() && r > 0 ? cost / r : mean;
         const bool along = walks ? cost < kInfinity
                            : field_.atFootPoints

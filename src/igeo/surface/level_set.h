@@ -44,9 +44,9 @@ struct LevelSet {
 };
 
 /// Checks a grid and describes it. A grid that others hold is left as it is: where it has active
-/// tiles, strays or voxels with the wrong sign, is negative outside, or is too narrow, the level set has a copy.
-///
-/// Where the voxels farthest out are negative along all axes, psi gets the other sign.
+/// tiles, strays or voxels with the wrong sign, is negative outside, or is too narrow, the level
+/// set has a copy. It is negative outside, and gets the other sign, where the voxels farthest out
+/// are negative along all axes.
 ///
 /// Asks for a transform of uniform scale, rotation and translation, indices within +-2^30, finite
 /// values, both signs, and |grad psi| near 1; judged by shares, since distances of real models have
