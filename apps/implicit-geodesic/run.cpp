@@ -5,8 +5,8 @@
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/io/point_list.h>
-#include <igeo/metric/unresolved_costs.h>
 #include <igeo/path/accuracy_estimate.h>
+#include <igeo/warnings.h>
 
 #include "input/guarded_read.h"
 #include "input/seed_input.h"
@@ -56,13 +56,10 @@ RunReport newReport(const igeo::GeodesicSolver& solver, const MetricInput& metri
     report.sources = seeds.names;
     report.weights = metric.weightNames;
     report.obstacles = metric.obstacleNames;
-    auto warn = [&](const std::vector<std::string>& more) {
-        report.warnings.insert(report.warnings.end(), more.begin(), more.end());
-    };
-    warn(report.surface.warnings);
-    warn(report.width.warnings);
-    warn(seeds.warnings);
-    warn(metric.warnings);
+    report.warn(report.surface.warnings);
+    report.warn(report.width.warnings);
+    report.warn(seeds.warnings);
+    report.warn(metric.warnings);
     return report;
 }
 
@@ -172,37 +169,16 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
                      : solver.unreached(
                            /*whole=*/!o.image.empty() || !o.view.empty(), stages);
     describe(distance, console);
-    auto warnOf = [&](const igeo::Band& band, const igeo::Metric& metric) {
-        report.unresolved = solver.surface().unresolved(band);
-        for (const std::string& w : igeo::unresolvedWarnings(report.unresolved)) report.warn(w);
-        warnOfIdleObstacles(band, metric, report);
-    };
-    if (distance.ofWholeSurface()) warnOf(distance.band(), *distance.marched()->metric);
-    if (o.joinGaps > 0) tellJoints(distance.band().joints, o.joinGaps, console, report.warnings);
-    warnOfOverrunSeeds(distance, report);
-    for (const std::string& w : distance.costWarnings()) report.warn(w);
-
     if (showsPaths(o, distance.targets().size())) {
         report.paths = distance.paths(o.straighten, stages);
         stages.finished("trace");
     }
-    warnOfPathsAgainstDistances(*distance.marched(), report);
-    if (!distance.band().triangles) warnOfLongSteps(distance.band().transform.dx, report);
     if (o.hasSeeds() && (o.verbose || !o.report.empty()))
         report.accuracy = estimate(distance, report.surface.fit, console, stages);
     report.walks = shoot(solver, o.shots, stages);
-    warnOfRoundedBends(report);
     report.pairs = solvePairs(solver, o, stages);
     report.vias = solveVias(solver, o, stages);
-    if (const auto whole = solver.surface().madeBand(solver.bandWidth());
-        whole && !distance.ofWholeSurface()) {
-        const igeo::MetricPtr made = solver.wholeMetric(stages),
-                              metric = made ? made : std::make_shared<const igeo::Metric>();
-        warnOf(*whole, *metric);
-        for (const std::string& w : igeo::costWarnings(*whole, *metric, true)) report.warn(w);
-    }
-    warnOfSkippedPoints(distance, report);
-    warnOfLostPoints(solver, distance, report);
+    warnOfResults(solver, distance, report, stages);
 
     report.seconds = stages.seconds();
     report.peakMemory = peakMemory();

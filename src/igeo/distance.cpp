@@ -5,10 +5,8 @@
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/signed_field.h>
-#include <igeo/metric/unresolved_costs.h>
 #include <igeo/path/curve_normals.h>
 #include <igeo/path/straighten.h>
-#include <igeo/results/lost_points.h>
 
 #include <limits>
 #include <mutex>
@@ -198,31 +196,6 @@ std::vector<double> Distance::atTargets() const {
 VertexValues Distance::atVertices(Progress& progress) const {
     const TriangleMesh& mesh = requireMesh(surface_);
     return vertexValues(mesh, *forPoints(mesh.points.size()), progress);
-}
-std::string Distance::lostVertexWarning(Progress& progress) const {
-    constexpr std::size_t kMost = 1000;
-    constexpr double kOn = 1e-3;  // voxels; vertices without a face are elsewhere
-    const TriangleMesh* const mesh = surface_.triangles();
-    const Field& field = *marched();
-    if (!mesh || field.seeds.empty() || field.stoppedEarly || field.reached == field.size())
-        return {};
-    std::vector<Vec3d> looked;
-    const std::vector<Vec3d>& all = mesh->points;
-    const std::size_t step = (all.size() + kMost - 1) / kMost;
-    for (std::size_t k = 0; k < all.size(); k += step) looked.push_back(all[k]);
-    std::vector<double> distance(looked.size(), std::numeric_limits<double>::quiet_NaN());
-    parallelFor(looked.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-            const SurfacePoint p =
-                surface_.nearest(*band_, band_->transform.indexFromWorld(looked[k]));
-            if (p.snapDistance < kOn) distance[k] = band_->transform.dx * distanceAt(field, p);
-        }
-    });
-    return lostWarning(field, step > 1 ? "vertices looked at" : "vertices", looked, distance);
-}
-std::vector<std::string> Distance::costWarnings() const {
-    const Field& field = *marched();
-    return igeo::costWarnings(*band_, *field.metric, field.atFootPoints);
 }
 Samples Distance::samples() const { return samplesOf(*forPoints(0)); }
 DistanceMatrix Distance::matrix(Progress& progress) const {

@@ -84,12 +84,6 @@ public:
     /// The distance and the nearest source at the vertices of the mesh, numbered as in its file.
     /// @throws Error  InvalidArgument for a surface that is no mesh
     VertexValues atVertices(Progress& progress = Progress::none()) const;
-    /// A sentence on the vertices of the mesh that triangles join to a seed and that have no
-    /// distance (lostWarning); it looks at 1000 of them at most, spread over the file. Empty where
-    /// there are none, where all nodes have a distance, and for a surface that is no mesh.
-    std::string lostVertexWarning(Progress& progress = Progress::none()) const;
-    /// Sentences on costs with which distances may be off (igeo::costWarnings).
-    std::vector<std::string> costWarnings() const;
     /// The distances of jet at its foot points (samplesOf).
     /// @throws Error  InvalidArgument for another scheme
     Samples samples() const;

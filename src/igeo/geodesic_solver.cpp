@@ -63,10 +63,10 @@ struct GeodesicSolver::Setup {
                      const std::string& what) const {
         if (tooFar(p))
             refuseFar(p, transform(), maxSnap, what + " (" + textOf(asked, 9) + ")",
-                      boxOf(band) + hintFor(band, asked));
+                      boxOf(band) + hintFor(band, asked, p));
     }
     static std::string boxOf(const Band& band);
-    std::string hintFor(const Band& band, const Vec3d& asked) const;
+    std::string hintFor(const Band& band, const Vec3d& asked, const SurfacePoint& asGiven) const;
     std::shared_ptr<const Band> wholeBand(Progress& progress) const {
         surface.requireMemory(width, options.rules.memoryLimit);
         return surface.band(width, {}, progress);
@@ -100,18 +100,20 @@ std::string GeodesicSolver::Setup::boxOf(const Band& band) {
 
 /// A hint for the most common mistakes with coordinates, where correcting one puts the point on the
 /// surface.
-std::string GeodesicSolver::Setup::hintFor(const Band& band, const Vec3d& asked) const {
-    auto isOn = [&](const Vec3d& pIndex) {
-        const double reach = length(pIndex);
-        return reach < kFarthestIndex && !tooFar(surface.nearest(band, pIndex));
+std::string GeodesicSolver::Setup::hintFor(const Band& band, const Vec3d& asked,
+                                           const SurfacePoint& asGiven) const {
+    auto isOn = [&](const Vec3d& pIndex, const auto& isNearer) {
+        return length(pIndex) < kFarthestIndex && isNearer(surface.nearest(band, pIndex));
     };
+    auto isInOther = [&](const SurfacePoint& p) { return isInOtherSpace(asGiven, p); };
     if (options.rules.space == Space::Index)
-        return isOn(transform().indexFromWorld(asked)) ? "; as a point of the world it is on the "
-                                                         "surface: Space::World"
-                                                       : "";
-    if (isOn(asked)) return "; as index coordinates it is on the surface: Space::Index";
+        return isOn(transform().indexFromWorld(asked), isInOther)
+                   ? "; as a point of the world it is on the surface: Space::World"
+                   : "";
+    if (isOn(asked, isInOther)) return "; as index coordinates it is on the surface: Space::Index";
     for (const double factor : {1000.0, 0.001, 100.0, 0.01, 25.4, 1 / 25.4})
-        if (isOn(transform().indexFromWorld(factor * asked)))
+        if (isOn(transform().indexFromWorld(factor * asked),
+                 [&](const SurfacePoint& p) { return !tooFar(p); }))
             return fmt::format("; times {:.4g} it is on the surface: are its units the same?",
                                factor);
     return "";

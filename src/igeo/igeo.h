@@ -5,6 +5,7 @@
 #include <igeo/geodesic_solver.h>
 #include <igeo/surface.h>
 #include <igeo/view.h>
+#include <igeo/warnings.h>
 
 #include <igeo/base/version.h>
 #include <igeo/io/annotation_file.h>

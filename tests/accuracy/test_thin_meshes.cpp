@@ -5,8 +5,10 @@
 #include <igeo/metric/obstacles.h>
 #include <igeo/metric/vertex_weights.h>
 #include <igeo/results/vertex_values.h>
+#include <igeo/warnings.h>
 #include <support/catch.h>
 #include <support/errors.h>
+#include <support/mesh_shapes.h>
 #include <support/openvdb.h>
 #include <support/random_surface.h>
 
@@ -15,6 +17,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 namespace igeo {
@@ -306,6 +309,67 @@ TEST_CASE("thin meshes: an obstacle on one face of a plate leaves the other face
     }
 }
 
+/// The vertices of a swept outline in and behind a wall across it, from y = 8 on, with a distance.
+std::size_t leaksThrough(const Outline& o, double wall, unsigned number) {
+    constexpr double kFrom = 8;
+    const Swept swept(o, 0.8, number);
+    const Surface surface(swept.mesh, {.size = 1});
+    const auto obstacles = std::make_shared<ObstacleSet>(surface.transform());
+    std::vector<bool> blocked;
+    for (const double y : swept.y) blocked.push_back(y >= kFrom && y <= kFrom + wall);
+    obstacles->addVertices(*surface.triangles(), blocked);
+    SolverOptions options;
+    options.metric.obstacles = obstacles;
+    const Distance d = GeodesicSolver(surface, options).distance({swept.seed});
+    const std::vector<double> distance = d.atVertices().distance;
+    std::size_t leaks = 0, lost = 0;
+    for (std::size_t v = 0; v < distance.size(); ++v) {
+        leaks += swept.y[v] >= kFrom && distance[v] < kInfinity;
+        lost += swept.y[v] < kFrom - 1 && !(distance[v] < kInfinity);
+    }
+    CHECK(lost == 0);
+    return leaks;
+}
+
+TEST_CASE("thin meshes: a wall across plates and blades parts them, at their rims too", "[mesh]") {
+    for (const double t : {0.3, 1.0, 1.7, 2.5, 3.2})
+        for (const double wall : {0.0, 1.7, 4.1})
+            for (unsigned k = 0; k < 2; ++k) {
+                INFO("plate of " << t << ", wall of " << wall);
+                CHECK(leaksThrough(plate(t), wall, 7 + k) == 0);
+            }
+    for (const double degrees : {5, 15, 25}) {
+        const double h = 9 * std::tan(degrees / 2 * std::numbers::pi / 180);
+        const Outline blade = polyline("blade", {{0, 0}, {9, h}, {9, -h}}, true, {5.3, 5.2});
+        for (const double wall : {0.0, 1.7, 4.1}) {
+            INFO("blade of " << degrees << " degrees, wall of " << wall);
+            CHECK(leaksThrough(blade, wall, 7) == 0);
+        }
+    }
+}
+
+TEST_CASE("thin meshes: a box across a plate of few triangles parts it", "[mesh]") {
+    for (const double t : {0.3, 1.0, 1.7, 2.5, 3.2})
+        for (const double wall : {0.6, 2.5}) {
+            const TriangleMesh mesh = test::moved(test::boxMesh({60, 20, t}), [](const Vec3d& p) {
+                return p + Vec3d{0.3, 0.6, 0.2};
+            });
+            const Surface surface(mesh, {.size = 1});
+            const auto obstacles = std::make_shared<ObstacleSet>(surface.transform());
+            obstacles->addBox({30, -9, -9}, {30 + wall, 99, 99});
+            SolverOptions options;
+            options.metric.obstacles = obstacles;
+            const Distance d = GeodesicSolver(surface, options).distance({{10, 7, 0.2 + t}});
+            INFO("plate of " << t << ", wall of " << wall);
+            test::Random random(1);
+            for (int k = 0; k < 200; ++k) {
+                const double x = random.between(1, 60), y = random.between(0.6, 20.6);
+                const double found = d.at({x, y, 0.2 + (k % 2 ? t : 0)});
+                CHECK((x < 30 ? found < kInfinity : found == kInfinity));
+            }
+        }
+}
+
 TEST_CASE("thin meshes: costs that change along a plate", "[mesh]") {
     // From a curve around the plate fronts run along y, on which the cost depends. Start discs take
     // the mean cost of both ends, which moves all values beyond them alike.
@@ -385,19 +449,19 @@ TEST_CASE("thin meshes: seeds on a page between others", "[mesh]") {
 }
 
 TEST_CASE("thin meshes: pages at small angles are warned of where costs vary", "[mesh]") {
-    const auto warningOn = [](double degrees, double slope) {
+    const auto warningsOn = [](double degrees, double slope) {
         const Swept swept(book(degrees, 3, 0, 7.3), 0.8, 7);
         std::vector<double> weight;
         for (const double y : swept.y) weight.push_back(1 + slope * y);
         SolverOptions options;
         options.metric.vertexWeights = {valuesAtPoints(swept.mesh, weight)};
         const GeodesicSolver solver(Surface(swept.mesh, {.size = 1}), options);
-        return solver.distance({swept.seed}).costWarnings().size();
+        return marchWarnings(solver.distance({swept.seed})).size();
     };
     for (const double degrees : {4, 8, 15}) {
         INFO(degrees << " degrees");
-        CHECK(warningOn(degrees, 0) == 0);
-        CHECK(warningOn(degrees, 0.01) == 1);
+        CHECK(warningsOn(degrees, 0) == 0);
+        CHECK(warningsOn(degrees, 0.01) == 1);
     }
 }
 

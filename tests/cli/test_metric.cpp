@@ -1,4 +1,5 @@
 // Weights, curvature and obstacles from the command line.
+#include <fmt/core.h>
 #include <openvdb/tools/ValueTransformer.h>
 #include <support/catch.h>
 #include <support/vdb_file.h>
@@ -340,6 +341,31 @@ TEST_CASE("bending around a cylinder is avoided or preferred") {
                    "--sdf in.vdb --seed 0.5,0,0 --metric-curvature avoid --scheme godunov -o "
                    "out.vdb",
                    kUsage, {"diagonal", "jet"});
+}
+
+TEST_CASE("costs from curvature on a mesh with wide facets get a warning") {
+    const TempWorkspace desk;
+    std::string mesh;
+    for (int k = 0; k < 12; ++k)
+        for (const double z : {0.0, 1.0})
+            mesh += fmt::format("v {} {} {}\n", std::cos(k * M_PI / 6), std::sin(k * M_PI / 6), z);
+    for (int k = 0; k < 12; ++k) {
+        const int a = 2 * k + 1, b = 2 * ((k + 1) % 12) + 1;
+        mesh += fmt::format("f {} {} {} {}\n", a, b, b + 1, a + 1);
+    }
+    writeBytes(desk / "prism.obj", mesh);
+    const auto warned = [&](const std::string& options) {
+        requireDone(desk,
+                    "--mesh prism.obj --voxel-size 0.04 --seed 1,0,0.5 -q -o o.vdb --report "
+                    "r.json " +
+                        options);
+        const std::string all = reportOf(desk)["warnings"].dump();
+        return all.find("facets of the mesh are wider than") != std::string::npos;
+    };
+    CHECK(warned("--metric-curvature avoid"));
+    CHECK(warned("--weight-curvature mean"));
+    CHECK(!warned("--metric-curvature avoid --curvature-scale 3"));
+    CHECK(!warned(""));
 }
 
 TEST_CASE("obstacles that are none are refused") {

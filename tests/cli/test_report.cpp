@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "output/messages.h"
 #include "output/path_curves.h"
 #include "output/report.h"
 #include "program.h"
@@ -187,30 +186,6 @@ TEST_CASE("matrixJson: world units, null where there is no path") {
     CHECK(part["asymmetry"].is_null());
 }
 
-TEST_CASE("warnOfPathsAgainstDistances: paths that disagree with their distances") {
-    Run run;
-    auto warnings = [&](double distance, double length) {
-        run.report.warnings.clear();
-        run.report.paths[0].startDistance = distance, run.report.paths[0].weightedLength = length;
-        run.report.paths[0].endDistance = 0;
-        warnOfPathsAgainstDistances(run.field, run.report);
-        return run.report.warnings;
-    };
-    run.field.scheme = "godunov, order 2";
-    CHECK(warnings(30, 31).empty());  // two voxels, but few percent
-    CHECK(warnings(3, 3.9).empty());  // many percent, but below two voxels
-    REQUIRE(warnings(10, 12).size() == 1);
-    CHECK(run.report.warnings[0].find("1 of 1 paths") != std::string::npos);
-    CHECK(run.report.warnings[0].find("target 0 by 20 %") != std::string::npos);
-    CHECK(warnings(30, 29).empty());
-    REQUIRE(warnings(20, 15).size() == 1);
-    CHECK(run.report.warnings[0].find("target 0 by 25 %") != std::string::npos);
-    run.field.scheme = "jet";
-    REQUIRE(warnings(30, 31).size() == 1);
-    CHECK(run.report.warnings[0].find("more than 2 %") != std::string::npos);
-    CHECK(warnings(60, 61).empty());
-}
-
 TEST_CASE("isolinesJson: world units") {
     Band band;
     band.transform.dx = 0.5;
@@ -232,20 +207,11 @@ TEST_CASE("isolinesJson: world units") {
     CHECK(j["isolines"][1]["position"] == json({{10, 20, 30.5}, {10, 20, 31}}));
 }
 
-TEST_CASE("report: paths with long steps are warned of") {
+TEST_CASE("report: a warning is said once, in words of options") {
     RunReport report;
-    report.paths.resize(3);
-    for (int k = 0; k < 3; ++k)
-        for (int i = 0; i < 4; ++i)
-            report.paths[std::size_t(k)].points.emplace_back(0.1 * i, 0,
-                                                             k == 1 && i == 3 ? 0.3 : 0);
-    warnOfLongSteps(/*dx=*/0.1, report);
-    REQUIRE(report.warnings.size() == 1);
-    CHECK_THAT(report.warnings[0],
-               contains("1 of 3 paths have a step of more than 2.5 voxels (target 1: 3.2)"));
-    report.warnings.clear();
-    warnOfLongSteps(0.2, report);
-    CHECK(report.warnings.empty());
+    report.warn({"", "joinGaps 1 joins nothing", "a", "joinGaps 1 joins nothing"});
+    report.warn("a");
+    CHECK(report.warnings == std::vector<std::string>{"--join-gaps 1 joins nothing", "a"});
 }
 
 }  // namespace igeo::test

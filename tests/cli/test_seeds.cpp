@@ -203,6 +203,20 @@ TEST_CASE("signed and a closed curve: the smaller side is negative") {
     requireDone(desk, "--sdf in.vdb --seed-curve curve.json --signed -q -o out.vdb");
     CHECK(valueAt(*desk.distance(), 0, 0, 1) == Approx(-std::acos(0.6)).epsilon(0.02));
     CHECK(valueAt(*desk.distance(), 1, 0, 0) == Approx(std::atan2(0.6, 0.8)).epsilon(0.01));
+
+    // Isolines have the sign of their side: above the parallel z = 0.6 and below.
+    requireDone(desk,
+                "--sdf in.vdb --seed-curve curve.json --signed -q --isolines i.json "
+                "--spacing 0.5");
+    CHECK(validBySchema(desk, "isolines.schema.json", "i.json"));
+    const json found = readJson(desk / "i.json");
+    std::vector<double> levels;
+    for (const json& line : found["isolines"]) {
+        levels.push_back(line["level"]);
+        const double z = line["position"][0][2];
+        CHECK(std::acos(z) - std::acos(0.6) == Approx(levels.back()).margin(0.01));
+    }
+    CHECK(levels == std::vector<double>{-0.5, 0.5, 1, 1.5, 2});
 }
 
 TEST_CASE("seeds that are no points: refusals") {

@@ -71,6 +71,8 @@ private:
     void add(const openvdb::GridBase::ConstPtr& grid) { grids_.push_back(grid); }
     void addCurvature() {
         const double scale = r_.solver.options().metric.curvatureScale;
+        if (const igeo::TriangleMesh* mesh = r_.solver.surface().triangles())
+            r_.report.warn(igeo::wideFacetWarning(*mesh, r_.band().transform.dx, scale));
         const igeo::Curvature curvature = igeo::curvature(r_.band(), scale, r_.progress);
         for (const auto& grid : igeo::curvatureGrids(r_.band(), curvature, *placed_, surface_))
             add(grid);

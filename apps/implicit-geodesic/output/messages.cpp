@@ -2,8 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/base/detail/text.h>
-#include <igeo/results/lost_points.h>
-#include <igeo/results/overrun_seeds.h>
+#include <igeo/warnings.h>
 
 #include <algorithm>
 #include <cmath>
@@ -154,71 +153,6 @@ void describe(const igeo::Distance& distance, const Console& console) {
                                    metric.least(), metric.largest(), metric.insideCount()));
 }
 
-void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report) {
-    for (const std::string& w : igeo::overrunWarnings(*distance.marched(), report.sources))
-        report.warn(w);
-}
-
-void warnOfPathsAgainstDistances(const igeo::Field& field, RunReport& report) {
-    constexpr double kVoxels = 2;
-    const double share = field.scheme == "jet" ? 0.02 : 0.05, dx = field.band->transform.dx;
-    std::size_t count = 0, reached = 0, worst = 0;
-    double most = 0;
-    for (std::size_t k = 0; k < report.paths.size(); ++k) {
-        const igeo::Polyline& p = report.paths[k];
-        if (p.status != igeo::PathStatus::Reached || !(p.startDistance > 0)) continue;
-        ++reached;
-        const double off = std::abs(p.endDistance + p.weightedLength - p.startDistance);
-        if (off < kVoxels * dx || off < share * p.startDistance) continue;
-        ++count;
-        if (off / p.startDistance > most) most = off / p.startDistance, worst = k;
-    }
-    if (count == 0) return;
-    report.warn(
-        fmt::format("{} of {} paths are longer or shorter than their distances by more than {:.0f} "
-                    "% (target {} "
-                    "by {:.0f} %): the distance or the path is unreliable there",
-                    count, reached, 100 * share, worst, 100 * most));
-}
-
-void warnOfLongSteps(double dx, RunReport& report) {
-    constexpr double kLong = 2.5;  // voxels; paths have one vertex per voxel
-    std::size_t count = 0, worst = 0;
-    double most = 0;
-    for (std::size_t k = 0; k < report.paths.size(); ++k) {
-        const std::vector<igeo::Vec3d>& points = report.paths[k].points;
-        double longest = 0;
-        for (std::size_t i = 1; i < points.size(); ++i)
-            longest = std::max(longest, length(points[i] - points[i - 1]) / dx);
-        count += longest > kLong;
-        if (longest > most) most = longest, worst = k;
-    }
-    if (count == 0) return;
-    report.warn(fmt::format(
-        "{} of {} paths have a step of more than {} voxels (target {}: {:.1f}): it may lead "
-        "through a thin wall or across a slot; smaller voxels, or the mesh itself, tell the sheets "
-        "apart",
-        count, report.paths.size(), kLong, worst, most));
-}
-
-void warnOfRoundedBends(RunReport& report) {
-    for (std::size_t k = 0; k < report.walks.size(); ++k) {
-        if (const std::size_t bends = report.walks[k].roundedBends)
-            report.warn(fmt::format(
-                "walk {} goes over {} sharp bend{} as the voxels round {} off, below 25 degrees or "
-                "with sheets narrower than 3 voxels: behind {} its direction is off by up to some "
-                "degrees, or more beside a corner; smaller voxels, or the mesh itself, show such "
-                "edges",
-                k, bends, bends == 1 ? "" : "s", bends == 1 ? "it" : "them",
-                bends == 1 ? "it" : "them"));
-        if (const std::size_t corners = report.walks[k].closeCorners)
-            report.warn(fmt::format(
-                "walk {} goes over {} edge{} within about a voxel of a corner: a slightly other "
-                "walk goes on over another sheet, far away from this one",
-                k, corners, corners == 1 ? "" : "s"));
-    }
-}
-
 namespace {
 
 /// "3 of 500 targets are off the surface and have no distance: target 4 (0,0,9) is 8 from the
@@ -230,8 +164,6 @@ std::string skippedWarning(const char* what, std::size_t all, const std::vector<
     return fmt::format("{} of {} {} are off the surface and have no distance: {}{}", skipped, all,
                        what, list, skipped > few.size() ? "; ..." : "");
 }
-
-}  // namespace
 
 void warnOfSkippedPoints(const igeo::Distance& distance, RunReport& report) {
     constexpr std::size_t kNamed = 3;
@@ -252,45 +184,32 @@ void warnOfSkippedPoints(const igeo::Distance& distance, RunReport& report) {
     if (skipped > 0) report.warn(skippedWarning("pairs", report.pairs.size(), few, skipped));
 }
 
-void warnOfLostPoints(const igeo::GeodesicSolver& solver, const igeo::Distance& distance,
-                      RunReport& report) {
-    report.warn(distance.lostVertexWarning());
-    std::vector<igeo::Vec3d> targets;
-    for (const igeo::SurfacePoint& p : distance.targets())
-        targets.push_back(igeo::inWorld(p, distance.band().transform).position);
-    report.warn(igeo::lostWarning(*distance.marched(), "targets", targets, distance.atTargets()));
-    if (std::all_of(report.pairs.begin(), report.pairs.end(), [](const igeo::PairDistance& p) {
-            return p.isSkipped() || p.distance < igeo::kInfinity;
-        }))
-        return;
-    const std::shared_ptr<const igeo::Band> band = solver.wholeBand();
-    igeo::LostPoints lost(*band, solver.wholeMetric());
-    for (const igeo::PairDistance& p : report.pairs) {
-        if (p.isSkipped()) continue;
-        igeo::SurfacePoint source;
-        source.pIndex = band->transform.indexFromWorld(p.source.position);
-        lost.add({source}, {p.target.position}, {p.distance});
-    }
-    report.warn(lost.warning("pairs"));
-}
-
-void warnOfIdleObstacles(const igeo::Band& band, const igeo::Metric& metric, RunReport& report) {
-    if (report.obstacles.empty() || metric.blocksAny(band)) return;
+/// Of the whole surface, if its band has been made.
+void warnOfSurface(const igeo::GeodesicSolver& solver, RunReport& report,
+                   igeo::Progress& progress) {
+    const auto band = solver.surface().madeBand(solver.bandWidth());
+    if (!band) return;
+    report.unresolved = solver.surface().unresolved(*band);
+    report.warn(igeo::surfaceWarnings(solver, progress));
+    if (report.obstacles.empty() || solver.wholeMetric(progress)->blocksAny(*band)) return;
     std::string names;
     for (const std::string& name : report.obstacles) names += (names.empty() ? "" : ", ") + name;
     report.warn("no obstacle meets the surface, so nothing is blocked: " + names);
 }
 
-void tellJoints(std::size_t joints, double gap, const Console& console,
-                std::vector<std::string>& warnings) {
-    if (joints > 0)
-        console.info(
-            fmt::format("{} pair{} of components of the mesh joined over gaps of up to {:.6g}",
-                        joints, joints == 1 ? "" : "s", gap));
-    else
-        warnings.push_back(fmt::format(
-            "--join-gaps {:.6g} joins nothing: no two components of the mesh are as close as that",
-            gap));
+}  // namespace
+
+void warnOfResults(const igeo::GeodesicSolver& solver, const igeo::Distance& distance,
+                   RunReport& report, igeo::Progress& progress) {
+    const bool byJet = solver.options().scheme == igeo::Scheme::Jet;
+    warnOfSurface(solver, report, progress);
+    report.warn(igeo::marchWarnings(distance, report.sources));
+    report.warn(igeo::pathWarnings(solver.surface(), byJet, report.paths));
+    report.warn(igeo::pathWarnings(solver.surface(), report.pairs));
+    report.warn(igeo::walkWarnings(report.walks));
+    warnOfSkippedPoints(distance, report);
+    report.warn(igeo::lostWarnings(distance, progress));
+    report.warn(igeo::lostWarnings(solver, report.pairs, progress));
 }
 
 namespace {
@@ -317,6 +236,10 @@ std::string reachOf(const igeo::Distance& distance) {
 int tell(const RunReport& report, const igeo::Distance& distance, const RunOptions& o,
          const Console& console) {
     for (const std::string& w : report.warnings) console.warning(w);
+    if (const std::size_t joints = distance.band().joints)
+        console.info(
+            fmt::format("{} pair{} of components of the mesh joined over gaps of up to {:.6g}",
+                        joints, joints == 1 ? "" : "s", report.surface.joinGaps));
     const int paths = tellPaths(report, distance, console);
     tellWalks(report, console);
     const int pairs = std::max(tellPairs(report, console), tellVias(report, console));

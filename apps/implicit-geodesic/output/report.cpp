@@ -2,6 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
+#include "option_words.h"
 #include "output/json_parts.h"
 
 using namespace igeo;
@@ -176,6 +179,12 @@ json walkJson(const Polyline& walk) {
 }
 
 }  // namespace
+
+void RunReport::warn(const std::string& sentence) {
+    const std::string said = inOptionWords(sentence);
+    const bool isNew = std::find(warnings.begin(), warnings.end(), said) == warnings.end();
+    if (!said.empty() && isNew) warnings.push_back(said);
+}
 
 json provenanceJson(const RunReport& r, const Field& field) {
     json j = originJson(r);

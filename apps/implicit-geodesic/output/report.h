@@ -50,9 +50,10 @@ struct RunReport : Provenance {
     std::vector<std::pair<std::string, std::string>> outputs;  ///< kind, file
     std::vector<std::string> warnings;
 
-    /// @param sentence  empty: nothing to warn of
-    void warn(const std::string& sentence) {
-        if (!sentence.empty()) warnings.push_back(sentence);
+    /// Adds a sentence, in words of options, unless it is empty or known.
+    void warn(const std::string& sentence);
+    void warn(const std::vector<std::string>& sentences) {
+        for (const std::string& sentence : sentences) warn(sentence);
     }
 };
 

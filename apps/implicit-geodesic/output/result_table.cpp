@@ -98,20 +98,15 @@ std::string verticesAs(const std::string& ending, const igeo::TriangleMesh& mesh
     return igeo::verticesCsv(values);
 }
 
-/// Marches of single sources, numbered from `firstSource` on, and their distances to points: adds a
+/// Marches of single sources, numbered from `first` on, and their distances to points: adds a
 /// warning where triangles join some without one.
-/// @param distances(k)  those of march k
+/// @param distances(k)  the first of those of march k
 template <typename Distances>
-void warnOfLost(RunResult& r, const char* what, const std::vector<igeo::Vec3d>& pWorld,
-                std::size_t firstSource, std::size_t count, const Distances& distances) {
+void warnOfLost(RunResult& r, const char* what, std::vector<igeo::Vec3d> pWorld, std::size_t first,
+                std::size_t count, const Distances& distances) {
     const std::shared_ptr<const igeo::Field> field = r.marched();
-    igeo::LostPoints lost(r.band(), field->metric);
-    for (std::size_t k = 0; k < count; ++k) {
-        std::vector<igeo::SurfacePoint> seeds;
-        for (std::size_t s = 0; s < field->seeds.size(); ++s)
-            if (field->source[s] == firstSource + k) seeds.push_back(field->seeds[s]);
-        lost.add(seeds, pWorld, distances(k));
-    }
+    igeo::LostPoints lost(r.band(), field->metric, std::move(pWorld));
+    for (std::size_t k = 0; k < count; ++k) lost.addSource(*field, first + k, distances(k));
     r.report.warn(lost.warning(what));
 }
 
@@ -121,11 +116,9 @@ void writeVertices(RunResult& r, const std::string& file) {
     if (r.options.perSeed) {
         values.columns = r.solver.atVertices(sourcesOf(r), r.input.limits, r.progress);
         if (r.input.limits.maxDistance == igeo::kInfinity)
-            warnOfLost(
-                r, "distances from single seeds", igeo::polygonsOf(mesh).vertices, 0,
-                values.columns.size(), [&](std::size_t k) -> const auto& {
-                    return values.columns[k].distance;
-                });
+            warnOfLost(r, "distances from single seeds", igeo::polygonsOf(mesh).vertices, 0,
+                       values.columns.size(),
+                       [&](std::size_t k) { return values.columns[k].distance.data(); });
     }
     writeDocument(file, verticesAs(endingOf(file), mesh, values, srgb(r.options)));
 }
@@ -163,10 +156,7 @@ void writeMatrix(RunResult& r, const std::string& file) {
     std::vector<igeo::Vec3d> columns;
     for (const igeo::MatrixPlace& target : matrix.targets) columns.push_back(target.point.position);
     warnOfLost(r, "distances of the matrix", columns, matrix.firstRow, matrix.rows(),
-               [&](std::size_t k) {
-                   const auto row = matrix.distance.begin() + std::ptrdiff_t(k * columns.size());
-                   return std::vector<double>(row, row + std::ptrdiff_t(columns.size()));
-               });
+               [&](std::size_t k) { return matrix.distance.data() + k * columns.size(); });
     for (double& d : matrix.distance)
         if (d > r.input.limits.maxDistance) d = igeo::kInfinity;
     const std::string ending = endingOf(file);

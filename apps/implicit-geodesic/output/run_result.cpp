@@ -1,7 +1,5 @@
 #include "output/run_result.h"
 
-#include <algorithm>
-
 #include "output/path_curves.h"
 
 const igeo::SurfaceMesh& RunResult::mesh() {
@@ -11,17 +9,16 @@ const igeo::SurfaceMesh& RunResult::mesh() {
 
 const std::vector<igeo::Isoline>& RunResult::isolines() {
     if (madeIsolines) return *madeIsolines;
+    const igeo::Field& field = distance.field();
     const std::vector<double> levels =
-        igeo::chosenLevels(distance.field(), options.levels, options.spacing);
-    madeIsolines = igeo::isolines(distance.field(), mesh(), levels, progress);
+        igeo::onBothSides(field, igeo::chosenLevels(field, options.levels, options.spacing));
+    madeIsolines = igeo::isolines(field, mesh(), levels, progress);
     return *madeIsolines;
 }
 
 const igeo::LevelSet& RunResult::levelSet() {
     const igeo::LevelSet& levelSet = distance.levelSet(progress);
-    std::vector<std::string>& known = report.warnings;
-    for (const std::string& w : levelSet.warnings)
-        if (std::find(known.begin(), known.end(), w) == known.end()) known.push_back(w);
+    report.warn(levelSet.warnings);
     return levelSet;
 }
 

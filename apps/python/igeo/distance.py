@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _arguments as arguments
 from . import _igeo
 from ._arguments import Floats, Path, Progress
-from ._errors import Error, InputError
+from ._errors import Error, InputError, warn
 from .surface import Surface
 
 Labels = NDArray[np.int32]
@@ -20,7 +20,7 @@ Labels = NDArray[np.int32]
 class Isoline(NamedTuple):
     """A line on which the distance is `level`."""
 
-    level: float
+    level: float  # negative where signed seeds enclose it
     points: Floats  # (n, 3); no repeats
     closed: bool  # the last point is joined to the first
 
@@ -151,13 +151,17 @@ class Distance:
         points = self.surface._positions(target, "target")
         if len(points) != 1:
             raise InputError(f"target holds {len(points)} points; allowed is one", "use paths for several")
-        return self.paths(points, straighten=straighten)[0]
+        return self._paths(points, straighten, None)[0]
 
     def paths(
         self, targets: ArrayLike, *, straighten: bool = False, progress: Progress = None
     ) -> list[Floats]:
         """The same for points (n, 3) or vertices, on all cores."""
-        found = self._made.paths(self.surface._positions(targets, "targets"), straighten, progress)
+        return self._paths(self.surface._positions(targets, "targets"), straighten, progress)
+
+    def _paths(self, targets: Floats, straighten: bool, progress: Progress) -> list[Floats]:
+        found, doubts = self._made.paths(targets, straighten, progress)
+        warn(doubts, 4)
         for k, (status, _) in enumerate(found):
             if status not in ("reached", "unreachable"):
                 raise Error(f"the path of target {k} is {status}", "use smaller voxels, or move the target")
@@ -176,17 +180,20 @@ class Distance:
     def isolines(self, levels: Any, *, progress: Progress = None) -> list[Isoline]:
         """Lines of equal distance, by ascending level.
 
-        levels: distances, 0 or more; or an integer, that many levels that divide the range equally.
+        levels: distances, with seeds that are `signed` of any sign, else 0 or more; or an integer, that
+        many levels that divide the range equally, on both sides of seeds that are signed.
         """
         if isinstance(levels, (int, np.integer)):
             if levels < 1:
                 raise InputError(f"levels is {levels}; allowed are 1 and more, or an array of distances")
             values = self.largest * np.arange(1, levels + 1) / (levels + 1)
+            if self._made.signed:
+                values = np.concatenate([-values, values])
         else:
             values = np.atleast_1d(arguments.numbers(levels, "levels"))
             arguments.shaped(values, "levels", None)
             arguments.finite(values, "levels")
-            if (values < 0).any():
+            if (values < 0).any() and not self._made.signed:
                 raise InputError(f"levels has {values.min():g}; allowed are 0 and more")
         found = self._made.isolines([float(level) for level in np.sort(values)], progress)
         return [Isoline(level, points, closed) for level, closed, points in found]

@@ -102,8 +102,9 @@ class Solver:
                 getattr(reader, name)(value)
             self._made = self._with_metric(reader, weight, tensor, obstacles, progress)
         self._warned: set[str] = set()
+        self._warned_of_surface = False
         self._warned_of_lost = False
-        self._looks_for_obstacles = obstacles is not None
+        self._has_obstacles = obstacles is not None
 
     @staticmethod
     def _require_curved(curved: Mapping[str, Any], tensor: Any, scale: Optional[float]) -> None:
@@ -204,8 +205,7 @@ class Solver:
             max_distance = arguments.number(max_distance, "max_distance")
         ends = np.empty((0, 3)) if targets is None else self.surface._positions(targets, "targets")
         made = self._made.distance(asked, max_distance, ends, targets is not None, progress)
-        overrun = [] if start is None else made.overrun
-        self._warn(made.of_whole_surface, [*overrun, *made.costs], [self._lost_vertices(made)])
+        self._warn(made.warnings, self._lost(made))
         return Distance(made, self.surface)
 
     def distances(
@@ -235,8 +235,8 @@ class Solver:
         if max_distance != math.inf:
             max_distance = arguments.number(max_distance, "max_distance")
         look = not self._warned_of_lost
-        rows, of_whole_surface, costs, lost = self._made.distances(all_seeds, points, max_distance, look, progress)
-        self._warn(of_whole_surface, costs, [lost])
+        rows, found, lost = self._made.distances(all_seeds, points, max_distance, look, progress)
+        self._warn(found, lost)
         return rows
 
     def matrix(self, seeds: Any, targets: Optional[ArrayLike] = None, *, progress: Progress = None) -> Floats:
@@ -253,17 +253,20 @@ class Solver:
         found = self._made.distance(asked, math.inf, ends, False, progress)
         look = not self._warned_of_lost
         values, lost = found.matrix(look, progress)
-        self._warn(found.of_whole_surface, found.costs, [self._lost_vertices(found), lost])
+        self._warn(found.warnings, [*self._lost(found), *lost])
         return values
 
     def _pairs(
         self, sources: ArrayLike, targets: ArrayLike, paths: bool, straighten: bool, skip: bool, progress: Progress
-    ) -> tuple[Floats, list[tuple[str, Floats]], str]:
+    ) -> tuple[Floats, list[tuple[str, Floats]]]:
         starts = self.surface._positions(sources, "sources")
         ends = self.surface._positions(targets, "targets")
         if len(starts) != len(ends):
             raise InputError(f"sources has {len(starts)} points and targets {len(ends)}; allowed are as many of both")
-        return self._made.pairs(starts, ends, paths, straighten, skip, not self._warned_of_lost, progress)
+        look = not self._warned_of_lost
+        distance, lines, found, lost = self._made.pairs(starts, ends, paths, straighten, skip, look, progress)
+        self._warn(found, lost, 5)
+        return distance, lines
 
     def pairs(
         self,
@@ -282,9 +285,7 @@ class Solver:
             raises InputError otherwise.
         """
         self._require_jet("pairs")
-        found, _, lost = self._pairs(sources, targets, False, False, skip_off_surface, progress)
-        self._warn(self._made.has_whole_band, (), [lost])
-        return found
+        return self._pairs(sources, targets, False, False, skip_off_surface, progress)[0]
 
     def pair_paths(
         self,
@@ -301,8 +302,7 @@ class Solver:
         as `pairs`.
         """
         self._require_jet("pair_paths")
-        _, found, lost = self._pairs(sources, targets, True, straighten, skip_off_surface, progress)
-        self._warn(self._made.has_whole_band, (), [lost])
+        _, found = self._pairs(sources, targets, True, straighten, skip_off_surface, progress)
         for k, (status, _) in enumerate(found):
             if status == "stalled":
                 raise Error(f"the path of pair {k} is stalled", "use smaller voxels, or move its points")
@@ -323,7 +323,7 @@ class Solver:
         """
         self._require_jet("via")
         line = self._made.via(self.surface._positions(points, "points"), bool(closed), bool(straighten), progress)
-        self._warn(self._made.has_whole_band)
+        self._warn()
         return line
 
     def sample(self, count: int, seeds: Any = None, *, progress: Progress = None) -> Floats:
@@ -337,7 +337,7 @@ class Solver:
             self._add_seeds(asked, seeds, None, "seeds")
         asked.samples = int(count)
         found = self._made.distance(asked, math.inf, np.empty((0, 3)), False, progress)
-        self._warn(found.of_whole_surface, found.costs, [self._lost_vertices(found)])
+        self._warn(found.warnings, self._lost(found))
         return found.seeds[-int(count) :]
 
     def shoot(
@@ -352,7 +352,9 @@ class Solver:
         if len(points) != 1:
             raise InputError(f"start holds {len(points)} points; allowed is one")
         along = arguments.vector(direction, "direction")
-        return self._made.shoot(points[0], along, arguments.number(length, "length"), progress)
+        line, found = self._made.shoot(points[0], along, arguments.number(length, "length"), progress)
+        self._warn(found)
+        return line
 
     def _require_mesh(self, what: str) -> None:
         if self.surface.kind != "mesh":
@@ -368,21 +370,29 @@ class Solver:
                 "leave scheme out; for distances by godunov take distance or distances",
             )
 
-    def _lost_vertices(self, made: _igeo.Distance) -> str:
-        """A warning of them, until one has been given."""
-        return "" if self._warned_of_lost else made.lost_vertices
+    def _lost(self, made: _igeo.Distance) -> list[str]:
+        """Warnings of lost points, until one has been given."""
+        return [] if self._warned_of_lost else made.lost
 
-    def _warn(self, of_whole_surface: bool, costs: Iterable[str] = (), lost: Iterable[str] = ()) -> None:
-        """Warns at the line that calls a method: of the band and of lost points once."""
-        found = [w for w in self._made.warnings(of_whole_surface) if w not in self._warned]
-        if of_whole_surface and self._looks_for_obstacles:
-            self._looks_for_obstacles = False
-            if not _igeo.blocks_any(self._made):
-                found.append("no obstacle meets the surface, so nothing is blocked")
+    def _of_surface(self) -> list[str]:
+        """Warnings of the band, and once of the whole surface, when its band has been made."""
+        if self._warned_of_surface:
+            return []
+        self._warned_of_surface = self._made.has_whole_band
+        found = self._made.warnings()
+        if self._warned_of_surface and self._has_obstacles and not _igeo.blocks_any(self._made):
+            found.append("no obstacle meets the surface, so nothing is blocked")
+        found = [w for w in found if w not in self._warned]
         self._warned.update(found)
+        return found
+
+    def _warn(self, found: Iterable[str] = (), lost: Iterable[str] = (), level: int = 4) -> None:
+        """Warns at the line that calls a method: of the surface and of lost points once."""
+        of_surface = self._of_surface()
+        found = [w for w in found if w not in self._warned]
         lost = [w for w in lost if w]
         self._warned_of_lost = self._warned_of_lost or bool(lost)
-        warn([*found, *costs, *lost], 4)
+        warn([*of_surface, *found, *lost], level)
 
     def __repr__(self) -> str:
         return f"<igeo.Solver on {self.surface.name}: band {self._made.band:.4g} voxels, snap {self.snap:.4g}>"

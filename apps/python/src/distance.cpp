@@ -1,4 +1,5 @@
 #include <igeo/base/parallel.h>
+#include <igeo/results/lost_points.h>
 
 #include <fstream>
 #include <optional>
@@ -6,7 +7,6 @@
 #include "arrays.h"
 #include "background.h"
 #include "bindings.h"
-#include "lost_rows.h"
 
 namespace {
 
@@ -36,9 +36,9 @@ py::tuple valuesAt(const Distance& d, const Array<double>& points, const py::obj
                           labelsOf(label));
 }
 
-/// Per target the status of its path, and its points.
-py::list paths(const Distance& d, const Array<double>& targets, bool straighten,
-               const py::object& progress) {
+/// Per target the status of its path, and its points; then warnings.
+py::tuple paths(const Distance& d, const Array<double>& targets, bool straighten,
+                const py::object& progress) {
     const auto asked = pointsOf(targets);
     std::vector<igeo::Polyline> lines(asked.size());
     runInBackground(progress, [&](igeo::Progress& p) {
@@ -48,10 +48,11 @@ py::list paths(const Distance& d, const Array<double>& targets, bool straighten,
                                         [&] { return d.path(asked[k], straighten); });
         });
     });
+    const auto warnings = igeo::pathWarnings(d.surface(), d.marched()->atFootPoints, lines);
     py::list all;
     for (igeo::Polyline& line : lines)
         all.append(py::make_tuple(igeo::toString(line.status), arrayOf(std::move(line.points))));
-    return all;
+    return py::make_tuple(all, warnings);
 }
 
 /// Per line its level, whether it is closed, and its points.
@@ -167,24 +168,19 @@ Array<double> axesOf(const PointMap& m) {
     return owning<double>(std::move(axes), {n, 2, 3});
 }
 
-/// Rows for seeds or groups; columns for targets, or the same. And a warning of lost points.
+/// Rows for seeds or groups; columns for targets, or the same. And warnings of lost points.
 py::tuple matrixOf(const Distance& d, bool lookForLost, const py::object& progress) {
-    std::string lost;
+    std::vector<std::string> lost;
     igeo::DistanceMatrix matrix = inBackground(progress, [&](igeo::Progress& p) {
         igeo::DistanceMatrix made = d.matrix(p);
         const igeo::Field& field = *d.marched();
-        const auto seedsOf = [&](std::size_t row) {
-            std::vector<igeo::SurfacePoint> seeds;
-            for (std::size_t s = 0; s < field.seeds.size(); ++s)
-                if (field.source[s] == row) seeds.push_back(field.seeds[s]);
-            return seeds;
-        };
         std::vector<igeo::Vec3d> columns;
         for (const igeo::MatrixPlace& target : made.targets)
             columns.push_back(target.point.position);
-        if (lookForLost)
-            lost = lostOfRows(d.band(), field.metric, columns, made.rows(), made.distance.data(),
-                              "distances of the matrix", seedsOf);
+        igeo::LostPoints rowsLost(d.band(), field.metric, columns);
+        for (std::size_t k = 0; lookForLost && k < made.rows(); ++k)
+            rowsLost.addSource(field, k, made.distance.data() + k * columns.size());
+        lost = {rowsLost.warning("distances of the matrix")};
         return made;
     });
     const auto rows = py::ssize_t(matrix.rows()), columns = py::ssize_t(matrix.targets.size());
@@ -237,24 +233,20 @@ void bindDistance(py::module_& module) {
         .def("mesh", &meshOf, "progress"_a)
         .def("matrix", &matrixOf, "look_for_lost"_a, "progress"_a)
         .def_property_readonly("labeled", &isLabeled)
-        .def_property_readonly("overrun",
+        .def_property_readonly("signed",
+                               [](const Distance& d) { return !d.marched()->sign.empty(); })
+        .def_property_readonly("warnings",
                                [](const Distance& d) {
                                    const py::gil_scoped_release released;
-                                   return igeo::overrunWarnings(*d.marched());
+                                   return igeo::marchWarnings(d);
                                })
-        .def_property_readonly("costs",
+        .def_property_readonly("lost",
                                [](const Distance& d) {
                                    const py::gil_scoped_release released;
-                                   return d.costWarnings();
-                               })
-        .def_property_readonly("lost_vertices",
-                               [](const Distance& d) {
-                                   const py::gil_scoped_release released;
-                                   return d.lostVertexWarning();
+                                   return igeo::lostWarnings(d);
                                })
         .def_property_readonly("seeds", &seedPoints)
         .def_property_readonly("largest", &Distance::largest)
-        .def_property_readonly("of_whole_surface", &Distance::ofWholeSurface)
         .def_property_readonly("reached", [](const Distance& d) {
             const std::size_t nodes = d.band().size();
             return nodes ? double(d.reached()) / double(nodes) : 0.0;

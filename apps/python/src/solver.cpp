@@ -1,5 +1,5 @@
 #include <igeo/base/parallel.h>
-#include <igeo/surface/unresolved.h>
+#include <igeo/results/lost_points.h>
 
 #include <algorithm>
 #include <atomic>
@@ -8,7 +8,6 @@
 #include "arrays.h"
 #include "background.h"
 #include "bindings.h"
-#include "lost_rows.h"
 
 namespace {
 
@@ -49,7 +48,7 @@ MarchLimits limitsOf(double maxDistance, const Array<double>& targets, bool stop
 }
 
 /// A row per element of `all`, at the points or, without any, at the vertices of the mesh; then
-/// whether a march was of the whole surface, warnings of the costs, and one of lost points.
+/// warnings, and those of lost points.
 py::tuple distances(const GeodesicSolver& solver, const std::vector<Seeds>& all,
                     const std::optional<Array<double>>& at, double maxDistance, bool lookForLost,
                     const py::object& progress) {
@@ -59,9 +58,7 @@ py::tuple distances(const GeodesicSolver& solver, const std::vector<Seeds>& all,
     Array<double> rows({py::ssize_t(all.size()), py::ssize_t(columns)});
     double* const first = rows.mutable_data();
     std::vector<std::vector<igeo::SurfacePoint>> seeds(all.size());
-    std::atomic<bool> whole{false};
-    std::vector<std::string> costs;
-    std::string lost;
+    std::vector<std::string> warnings, lost;
     runInBackground(progress, [&](igeo::Progress& p) {
         igeo::CancelOnly quiet(p);
         std::optional<igeo::VertexReader> vertices;
@@ -80,55 +77,40 @@ py::tuple distances(const GeodesicSolver& solver, const std::vector<Seeds>& all,
                     std::transform(values.begin(), values.end(), row,
                                    [](const igeo::PointValue& v) { return v.distance; });
                 }
-                if (found.ofWholeSurface()) whole = true;
-                if (k == 0) costs = found.costWarnings();
+                if (k == 0) warnings = igeo::marchWarnings(found);
                 seeds[k] = found.seeds();
                 p.update("rows", double(++done) / double(all.size()));
             }
         });
         const double* const last = first + all.size() * columns;
         if (lookForLost && maxDistance == igeo::kInfinity &&
-            std::find(static_cast<const double*>(first), last, igeo::kInfinity) != last)
-            lost = lostOfRows(*solver.wholeBand(quiet), solver.wholeMetric(quiet), points,
-                              all.size(), first, "distances from single seeds",
-                              [&](std::size_t k) { return seeds[k]; });
+            std::find(static_cast<const double*>(first), last, igeo::kInfinity) != last) {
+            const auto band = solver.wholeBand(quiet);
+            igeo::LostPoints rowsLost(*band, solver.wholeMetric(quiet), points);
+            for (std::size_t k = 0; k < all.size(); ++k)
+                rowsLost.add(seeds[k], first + k * columns);
+            lost = {rowsLost.warning("distances from single seeds")};
+        }
     });
-    return py::make_tuple(rows, bool(whole), costs, lost);
+    return py::make_tuple(rows, warnings, lost);
 }
 
-/// A sentence on pairs without a distance that triangles join; empty where there are none.
-std::string lostPairs(const GeodesicSolver& solver, const std::vector<igeo::PairDistance>& pairs,
-                      igeo::Progress& progress) {
-    const auto found = [](const igeo::PairDistance& p) {
-        return p.isSkipped() || p.distance < igeo::kInfinity;
-    };
-    if (std::all_of(pairs.begin(), pairs.end(), found)) return "";
-    const auto band = solver.wholeBand(progress);
-    igeo::LostPoints lost(*band, solver.wholeMetric(progress));
-    for (const igeo::PairDistance& p : pairs) {
-        if (p.isSkipped()) continue;
-        igeo::SurfacePoint source;
-        source.pIndex = band->transform.indexFromWorld(p.source.position);
-        lost.add({source}, {p.target.position}, {p.distance});
-    }
-    return lost.warning("pairs");
-}
-
-/// Distances of pairs, their paths if requested, and a warning of lost ones; NaN and no path for a
-/// skipped pair with a point off the surface.
+/// Distances of pairs, their paths if requested, warnings, and those of lost pairs; NaN and no path
+/// for a skipped pair with a point off the surface.
 py::tuple pairs(const GeodesicSolver& solver, const Array<double>& sources,
                 const Array<double>& targets, bool withPaths, bool straighten, bool skip,
                 bool lookForLost, const py::object& progress) {
     igeo::QueryRules rules = solver.options().rules;
     rules.skipOffSurface = skip;
     const auto from = pointsOf(sources), to = pointsOf(targets);
-    std::string lost;
+    std::vector<std::string> warnings, lost;
     std::vector<igeo::PairDistance> found = inBackground(progress, [&](igeo::Progress& p) {
         const GeodesicSolver skipping = solver.with(rules);
         auto solved =
             withPaths ? skipping.pairPaths(from, to, straighten, p) : skipping.pairs(from, to, p);
         igeo::CancelOnly quiet(p);
-        if (lookForLost) lost = lostPairs(solver, solved, quiet);
+        warnings = igeo::pathWarnings(solver.surface(), solved);
+        if (lookForLost) lost = igeo::lostWarnings(solver, solved, quiet);
         return solved;
     });
     std::vector<double> distance;
@@ -139,22 +121,19 @@ py::tuple pairs(const GeodesicSolver& solver, const Array<double>& sources,
             paths.append(py::make_tuple(igeo::toString(pair.path.status),
                                         arrayOf(std::move(pair.path.points))));
     }
-    return py::make_tuple(arrayOf(std::move(distance)), paths, lost);
+    return py::make_tuple(arrayOf(std::move(distance)), paths, warnings, lost);
 }
 
-/// The band of the whole surface if it has been made, else null.
-std::shared_ptr<const igeo::Band> madeBand(const GeodesicSolver& solver) {
-    return solver.surface().madeBand(solver.bandWidth());
-}
-
-/// Warnings about the width of the band, and about the whole surface if its band has been made.
-std::vector<std::string> warningsOf(const GeodesicSolver& solver, bool ofWholeSurface) {
-    std::vector<std::string> warnings = solver.bandWidth().warnings;
+/// Warnings of the width of the band and, once its band has been made, of the whole surface.
+std::vector<std::string> warningsOf(const GeodesicSolver& solver) {
     const py::gil_scoped_release released;
-    if (const auto band = ofWholeSurface ? madeBand(solver) : nullptr)
-        for (const std::string& w : igeo::unresolvedWarnings(solver.surface().unresolved(*band)))
-            warnings.push_back(w);
+    std::vector<std::string> warnings = solver.bandWidth().warnings;
+    for (const std::string& w : igeo::surfaceWarnings(solver)) warnings.push_back(w);
     return warnings;
+}
+
+bool hasWholeBand(const GeodesicSolver& solver) {
+    return solver.surface().madeBand(solver.bandWidth()) != nullptr;
 }
 
 void bindSeeds(py::module_& module) {
@@ -211,7 +190,8 @@ void bindSolver(py::module_& module) {
                 const igeo::Vec3d start = pointOf(from), along = pointOf(direction);
                 igeo::Polyline line = inBackground(
                     progress, [&](igeo::Progress& p) { return s.shoot(start, along, length, p); });
-                return arrayOf(std::move(line.points));
+                const auto warnings = igeo::walkWarnings({line});
+                return py::make_tuple(arrayOf(std::move(line.points)), warnings);
             },
             "start"_a, "direction"_a, "length"_a, "progress"_a)
         .def("pairs", &pairs, "sources"_a, "targets"_a, "paths"_a, "straighten"_a, "skip"_a,
@@ -229,7 +209,6 @@ void bindSolver(py::module_& module) {
             "points"_a, "closed"_a, "straighten"_a, "progress"_a)
         .def_property_readonly("snap", &GeodesicSolver::maxSnap)
         .def_property_readonly("band", [](const GeodesicSolver& s) { return s.bandWidth().h; })
-        .def_property_readonly("has_whole_band",
-                               [](const GeodesicSolver& s) { return madeBand(s) != nullptr; })
-        .def("warnings", &warningsOf, "of_whole_surface"_a);
+        .def_property_readonly("has_whole_band", &hasWholeBand)
+        .def("warnings", &warningsOf);
 }

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 
 namespace igeo {
@@ -32,29 +33,84 @@ std::string endingOf(const std::string& file) {
                          const std::string& what) {
     throw Error(Kind::BadInput,
                 fmt::format("{}, line {}: '{}' {}", file, number, line.substr(0, 60), what),
-                "write x y z or x y z nx ny nz on every line, with blanks or commas between them");
+                "write x y z or x y z nx ny nz on every line, with blanks or commas between them; "
+                "colors are skipped where a first line names the columns, as x y z r g b");
+}
+
+/// The columns of a text of points: without a header those of its lines.
+class PointColumns {
+public:
+    /// @throws Error  as requireColumns, for the columns that are read
+    void name(const std::string& file, std::size_t number, std::string_view header) {
+        const std::vector<std::string> names = namesInHeader(header);
+        skipped_ = extraColumns(names);
+        std::string read;
+        for (std::size_t k = 0; k < names.size(); ++k)
+            if (!skipped_[k]) read += (read.empty() ? "" : ",") + names[k];
+        requireColumns(file, number, skipsAny() ? read : header, "x,y,z,nx,ny,nz");
+        hasNormals_ = std::find(names.begin(), names.end(), "nx") != names.end();
+    }
+    bool skipsAny() const {
+        return std::find(skipped_.begin(), skipped_.end(), true) != skipped_.end();
+    }
+    std::size_t named() const { return skipped_.size(); }
+    /// Whether a header says that columns 4 to 6 are normals, of any length.
+    bool hasNormals() const { return hasNormals_; }
+    /// The numbers of a line that are read.
+    std::vector<double> of(const std::vector<double>& line) const {
+        std::vector<double> read;
+        for (std::size_t k = 0; k < line.size(); ++k)
+            if (!skipped_[k]) read.push_back(line[k]);
+        return read;
+    }
+
+private:
+    std::vector<bool> skipped_;  ///< by the header; empty: there is none
+    bool hasNormals_ = false;
+};
+
+/// Whether a vector can be a normal in a column without a name. Zero and NaN are refused later.
+bool mayBeNormal(const Vec3d& v) {
+    constexpr double kRounded = 0.1;  // of numbers with one digit
+    const double size = length(v);
+    return std::abs(size - 1) <= kRounded || !(size > 0 && size < kInfinity);
 }
 
 PointCloud pointsFromText(const std::string& file, const std::string& bytes) {
     PointCloud cloud{file, {}, {}};
+    PointColumns columns;
     bool mayBeHeader = true;
-    std::size_t columns = 0;
+    std::size_t count = 0;
     forLines(bytes, [&](std::string_view line, std::size_t number) {
-        const std::vector<double> v = numbersIn(file, number, line);
+        std::vector<double> v = numbersIn(file, number, line);
         // A first line that does not start like a number names the columns.
-        const auto begin = line.find_first_not_of(" \t\"");
+        const auto begin = line.find_first_not_of(" \t\"/");
         const bool isHeader = mayBeHeader && v.empty() && begin != std::string_view::npos &&
                               std::isalpha(static_cast<unsigned char>(line[begin]));
         mayBeHeader = false;
-        if (isHeader) return requireColumns(file, number, line, "x,y,z,nx,ny,nz");
+        if (isHeader) return columns.name(file, number, line);
+        if (columns.skipsAny()) {
+            if (v.size() != columns.named())
+                failAt(file, number, line,
+                       fmt::format("does not hold {} numbers, one for each name of the first line",
+                                   columns.named()));
+            v = columns.of(v);
+        }
         if (v.size() != 3 && v.size() != 6)
             failAt(file, number, line, "is neither x y z nor x y z nx ny nz");
-        if (columns != 0 && v.size() != columns)
+        if (count != 0 && v.size() != count)
             failAt(file, number, line,
-                   fmt::format("has {} numbers, the lines before have {}", v.size(), columns));
-        columns = v.size();
+                   fmt::format("has {} numbers, the lines before have {}", v.size(), count));
+        count = v.size();
         cloud.points.push_back({v[0], v[1], v[2]});
-        if (columns == 6) cloud.normals.push_back(Vec3f(Vec3d{v[3], v[4], v[5]}));
+        if (count == 3) return;
+        const Vec3d normal(v[3], v[4], v[5]);
+        if (!columns.hasNormals() && !mayBeNormal(normal))
+            failAt(file, number, line,
+                   fmt::format("has no name for columns 4 to 6, which are read as a normal, and "
+                               "the length of this one is {:.4g}, not 1",
+                               length(normal)));
+        cloud.normals.push_back(Vec3f(normal));
     });
     return cloud;
 }

@@ -17,7 +17,8 @@ bool isPointFile(const std::string& file);
 ///   element `vertex`. Everything else is skipped.
 /// - `.xyz .txt .csv .pts .asc`: a point per line, x y z or x y z nx ny nz, separated by blanks,
 ///   commas or semicolons; `#` starts a comment, and a first line without a number names the
-///   columns, in this order.
+///   columns, in this order. Columns that it names as colors, intensity, label or class are
+///   skipped. Normals have any length where it names nx, else length 1, to 10 %.
 /// - `.pwn`: a count, then as many lines x y z, then as many nx ny nz; or lines x y z nx ny nz.
 /// - `.obj`: the lines `v`, and, if there are as many, `vn`.
 /// - `.vdb`: a grid of points, FILE.vdb:GRID where there are several; normals are the attribute
@@ -26,8 +27,9 @@ bool isPointFile(const std::string& file);
 /// A byte order mark before text is skipped.
 /// @throws Error  Io where the file cannot be read; BadInput for another ending, a broken or
 ///         truncated file (with line or byte), decimal commas (1,5;2,5 or 1,5 2,5), a header that
-///         names x y z nx ny nz in another order or colors as normals, a coordinate that is not
-///         finite, a normal that is not finite or zero, or no points
+///         names x y z nx ny nz in another order, columns 4 to 6 without a name that are no unit
+///         vector, a coordinate that is not finite, a normal that is not finite or zero, or no
+///         points
 PointCloud readPointCloud(const std::string& file);
 
 }  // namespace igeo

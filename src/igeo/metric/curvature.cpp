@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/band/tangent_frame.h>
+#include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/base/symmetric_eigen.h>
@@ -332,6 +333,45 @@ Curvature curvature(const Band& band, double scale, Progress& progress) {
         }
     });
     return c;
+}
+
+double shareOfWideFacets(const TriangleMesh& mesh, double dx, double scale) {
+    constexpr double kLeastCosine = 0.6, kMostCosine = 0.99985;  // 53 and 1 degrees
+    const double widest = kWidestFacetPerScale * scale * dx;
+    const auto corner = [&](std::size_t t, std::size_t k) {
+        return mesh.points[mesh.triangles[t][k % 3]];
+    };
+    const auto twiceArea = [&](std::size_t t) {
+        return cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0));
+    };
+    const MeshTopology topology = meshTopology(mesh);
+    double wide = 0, all = 0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const Vec3d here = twiceArea(t);
+        bool isWide = false;
+        for (std::size_t k = 0; k < 3 && !isWide; ++k) {
+            const std::uint32_t beyond = topology.neighbor[t][k];
+            const double edge = length(corner(t, k + 1) - corner(t, k));
+            if (beyond >= MeshTopology::kMany || length(here) <= widest * edge) continue;
+            const Vec3d there = twiceArea(beyond);
+            const double cosine = dot(normalized(here), normalized(there));
+            isWide = length(there) > widest * edge && cosine > kLeastCosine && cosine < kMostCosine;
+        }
+        all += length(here);
+        if (isWide) wide += length(here);
+    }
+    return all > 0 ? wide / all : 0;
+}
+
+std::string wideFacetWarning(const TriangleMesh& mesh, double dx, double scale) {
+    constexpr double kLeast = 0.01;
+    const double share = shareOfWideFacets(mesh, dx, scale);
+    if (share < kLeast) return {};
+    return fmt::format(
+        "on {} of the surface the facets of the mesh are wider than {:g} voxels, {:g} times the "
+        "scale of curvature: the curvature of the surface that they stand for is not seen, and "
+        "costs from it may be off by 5 to 50 %; use a finer mesh, larger voxels, or a larger scale",
+        percent(share), kWidestFacetPerScale * scale, kWidestFacetPerScale);
 }
 
 std::vector<float> curvatureWeights(const Curvature& curvature, CurvatureKind kind, double epsilon,

@@ -3,8 +3,10 @@
 
 #include <igeo/band/band.h>
 #include <igeo/base/progress.h>
+#include <igeo/io/triangle_mesh.h>
 #include <igeo/metric/metric.h>
 
+#include <string>
 #include <vector>
 
 namespace igeo {
@@ -24,7 +26,6 @@ struct Curvature {
 /// Default scale, voxels. Noise of 0.1 voxels in psi moves k1 + k2 by 0.005 / voxel, 5 % of that of
 /// a sphere of 20 voxels radius. Smoothing reduces it by 0.6 % on an ellipsoid of axes 1 : 1.3 :
 /// 1.7 there; a scale of 3 divides the effect of noise by three and doubles that of smoothing.
-/// with a scale of 3, noise counts a third and smoothing twice as much.
 constexpr double kDefaultCurvatureScale = 2;
 
 /// Curvature by weighted least squares over the core's foot points y_j around each one, y_i:
@@ -47,6 +48,22 @@ constexpr double kDefaultCurvatureScale = 2;
 /// psi moves k1 + k2 by 0.4 to 0.6 s / scale^3.
 Curvature curvature(const Band& band, double scale = kDefaultCurvatureScale,
                     Progress& progress = Progress::none());
+
+/// Facets wider than this have no curvature inside and too much along their edges: costs from it
+/// are off by 3 to 5 % at this width, and by 10 to 50 % from twice as much on (spheres and
+/// cylinders).
+constexpr double kWidestFacetPerScale = 5;
+
+/// The share of the area of a mesh that stands for a bent surface with facets too wide for a scale:
+/// triangles at edges that bend by 1 to 53 degrees, where both triangles are higher over the edge
+/// than kWidestFacetPerScale scales. A flat face beside a finely divided bend is none.
+/// @param dx     voxel size
+/// @param scale  as of curvature(), voxels
+/// Time O(n log n).
+double shareOfWideFacets(const TriangleMesh& mesh, double dx, double scale);
+
+/// A sentence where that share is 1 % or more, with a remedy; else empty.
+std::string wideFacetWarning(const TriangleMesh& mesh, double dx, double scale);
 
 enum class CurvatureKind {
     Valley,    ///< eps + (M - min M)^p: paths keep to valleys (M&S 4.1, figure 10)

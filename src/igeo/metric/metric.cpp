@@ -35,6 +35,9 @@ bool Metric::blocksAny(const Band& band) const {
             const NodeIndex j = band.neighbor(i, step.x, step.y, step.z);
             if (j != kNoNode && blocked(band, i, j)) return true;
         }
+        bool bridge = false;
+        band.forBridges(i, [&](const Bridge& b) { bridge |= blocked(band, i, b.to); });
+        if (bridge) return true;
     }
     return false;
 }

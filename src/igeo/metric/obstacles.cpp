@@ -184,9 +184,11 @@ void ObstacleSet::addGrid(const ObstacleGrid& source) {
 }
 
 /// Whether a segment passes over a part of a mesh, or within kPatchFat of it. Where the segment
-/// leaves S, as the chord of a bend, the part is searched for along the normal.
+/// leaves S, as the chord of a bend, the part is searched for along the segment's normal and, where
+/// the segment cuts a sharp edge off, along that of the part.
 bool ObstacleSet::patchBlocks(const Patch& patch, const Vec3d& a, const Vec3d& b,
                               const Vec3d& normal) {
+    constexpr double kAcross = 0.1;  // on a face beside that of the part it is 0 or less
     const Vec3d along = b - a;
     const double reach = kReach + std::min(kBulge * dot(along, along), kMostBulge);
     const int steps = int(std::ceil(length(along) / kPatchStep));
@@ -194,12 +196,16 @@ bool ObstacleSet::patchBlocks(const Patch& patch, const Vec3d& a, const Vec3d& b
         const Vec3d p = a + (steps ? double(k) / steps : 0.0) * along;
         const auto place = patch.parts->nearest(p, reach + kPatchFat);
         if (place.triangle == SurfaceTriangles::kNone) continue;
-        const Vec3d off = place.point - p;
-        const double up = dot(off, normal);
-        if (std::abs(up) > reach || length(off - up * normal) > kPatchFat) continue;
+        const Vec3d off = place.point - p, &own = patch.normal[place.triangle];
+        auto isAlong = [&](const Vec3d& n) {
+            const double up = dot(off, n);
+            return std::abs(up) <= reach && length(off - up * n) <= kPatchFat;
+        };
+        const double cosine = dot(own, normal);
+        if (cosine > kAcross && isAlong(own)) return true;
         // Through a thin wall lies the part of its other side.
-        if (std::abs(up) <= reach - kReach + kFat ||
-            dot(patch.normal[place.triangle], normal) > Band::kOtherSheet)
+        if (isAlong(normal) && (std::abs(dot(off, normal)) <= reach - kReach + kFat ||
+                                cosine > Band::kOtherSheet))
             return true;
     }
     return false;

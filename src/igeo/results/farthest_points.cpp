@@ -94,9 +94,10 @@ std::vector<SurfacePoint> farthestPoints(const Band& band, const MetricPtr& metr
     Farthest farthest(band, metric);
     if (count == 0 || count > farthest.candidates())
         throw Error(Error::Kind::InvalidArgument,
-                    fmt::format("{} points asked for; the surface has 1 to {}", count,
-                                farthest.candidates()),
-                    "ask for fewer points, or take finer voxels");
+                    fmt::format("{} points are to be spread over the surface; at least 1 and at "
+                                "most {} are allowed, one per voxel next to it",
+                                count, farthest.candidates()),
+                    "ask for fewer points, or take smaller voxels");
     CancelOnly quiet(progress);
     const std::size_t given = !start.empty();  // a march from the given points
     progress.update("points", 0);

@@ -3,9 +3,12 @@
 #include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
+#include <igeo/march/signed_field.h>
 #include <igeo/path/curve_normals.h>
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace igeo {
 
@@ -152,12 +155,33 @@ Isoline lineOf(const std::vector<Vec3d>& points, const std::vector<Vec3d>& norma
     return line;
 }
 
-void checkLevels(const std::vector<double>& levels) {
+void checkLevels(const Field& field, const std::vector<double>& levels) {
     for (const double level : levels)
-        if (!(level >= 0 && level < kInfinity))
-            throw Error(
-                Error::Kind::InvalidArgument,
-                fmt::format("a level of {:g} for isolines; levels are finite, 0 or more", level));
+        if (!(std::abs(level) < kInfinity && (level >= 0 || !field.sign.empty())))
+            throw Error(Error::Kind::InvalidArgument,
+                        fmt::format("a level of {:g} for isolines; levels are finite, 0 or more, "
+                                    "or negative where distances have signs",
+                                    level));
+}
+
+/// Gives a line the sign of the side that it is on. Beside the seeds some points may have the
+/// other one.
+void takeSign(const Field& field, Isoline& line) {
+    double sum = 0;
+    for (const Vec3d& p : line.points) sum += signAt(field, p);
+    if (sum < 0) line.level = -line.level;
+}
+
+/// Of lines at |levels| those at `levels`, in ascending order of level.
+std::vector<Isoline> withSigns(const Field& field, std::vector<Isoline> lines,
+                               const std::vector<double>& levels) {
+    for (Isoline& line : lines) takeSign(field, line);
+    std::erase_if(lines, [&](const Isoline& line) {
+        return std::find(levels.begin(), levels.end(), line.level) == levels.end();
+    });
+    std::stable_sort(lines.begin(), lines.end(),
+                     [](const Isoline& a, const Isoline& b) { return a.level < b.level; });
+    return lines;
 }
 
 double leastStart(const Field& field) {
@@ -170,8 +194,9 @@ double leastStart(const Field& field) {
 
 std::vector<Isoline> isolines(const Field& field, const SurfaceMesh& mesh,
                               const std::vector<double>& levels, Progress& progress) {
-    checkLevels(levels);
+    checkLevels(field, levels);
     std::vector<double> ascending = levels;
+    for (double& level : ascending) level = std::abs(level);
     std::sort(ascending.begin(), ascending.end());
     ascending.erase(std::unique(ascending.begin(), ascending.end()), ascending.end());
 
@@ -200,7 +225,7 @@ std::vector<Isoline> isolines(const Field& field, const SurfaceMesh& mesh,
         }
     }
     progress.update("isolines", 1);
-    return lines;
+    return field.sign.empty() ? lines : withSigns(field, std::move(lines), levels);
 }
 
 std::vector<double> levelsBySpacing(const Field& field, double spacing) {
@@ -225,6 +250,15 @@ std::vector<double> levelsByCount(const Field& field, int count) {
     std::vector<double> levels;
     for (int k = 1; k <= count; ++k) levels.push_back(least + range * k / (count + 1));
     return levels;
+}
+
+std::vector<double> onBothSides(const Field& field, const std::vector<double>& levels) {
+    if (field.sign.empty()) return levels;
+    std::vector<double> both = levels;
+    for (const double level : levels)
+        if (level > 0) both.push_back(-level);
+    std::sort(both.begin(), both.end());
+    return both;
 }
 
 std::vector<double> chosenLevels(const Field& field, int count, double spacing) {

@@ -12,7 +12,7 @@ namespace igeo {
 /// A line on which the distance is `level`. Points nearer to the seeds lie to its left, seen from
 /// outside in world space.
 struct Isoline {
-    double level = 0;            ///< voxels times weight
+    double level = 0;            ///< voxels times weight; negative where the seeds enclose it
     double length = 0;           ///< of the polyline, voxels
     bool closed = false;         ///< the last point is joined to the first
     std::vector<Vec3d> points;   ///< on psi = 0, index space; no repeats
@@ -28,8 +28,8 @@ struct Isoline {
 /// along the edge's projection to psi = 0, to 1e-6 voxels (along the edge itself where a corner of
 /// the cell is not in the band).
 /// @param mesh   surfaceMesh() of the same field
-/// @param levels voxels times weight, finite and >= 0; levels above the largest distance give no
-///               lines
+/// @param levels voxels times weight, finite; negative ones only where the field has signs. Levels
+///               beyond the distances give no lines, nor does 0, where the seeds are
 /// @throws Error  InvalidArgument for other levels; Cancelled through `progress`
 /// Time O(triangles log triangles + points), in parallel over points. Points are as accurate as the
 /// distance; a polyline with edges of length s on a line of curvature k is short by (k s)^2/24.
@@ -46,9 +46,13 @@ std::vector<double> levelsBySpacing(const Field& field, double spacing);
 /// @throws Error  InvalidArgument unless 1 <= count <= 100000
 std::vector<double> levelsByCount(const Field& field, int count);
 
-/// The levels of isolines in files, pictures and legends: by count if it is above 0, else by
-/// spacing (world units times weight), or by a round spacing that gives about 16 if it is 0. Empty
-/// where all distances are equal.
+/// Levels >= 0 and, of a field with signs, their negatives too, for isolines on both sides of the
+/// seeds.
+std::vector<double> onBothSides(const Field& field, const std::vector<double>& levels);
+
+/// The levels of isolines in files, pictures and legends, without signs: by count if it is above 0,
+/// else by spacing (world units times weight), or by a round spacing that gives about 16 if it is
+/// 0. Empty where all distances are equal.
 /// @throws Error  as the two above
 std::vector<double> chosenLevels(const Field& field, int count, double spacing);
 

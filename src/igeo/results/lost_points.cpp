@@ -14,10 +14,11 @@ namespace igeo {
 
 /// The corners of the triangles, joined along edges that no obstacle blocks.
 struct LostPoints::Parts {
-    static constexpr DisjointSets::Index kNone = std::numeric_limits<DisjointSets::Index>::max();
+    using Part = DisjointSets::Index;
+    static constexpr Part kNone = std::numeric_limits<Part>::max(), kUnknown = kNone - 1;
 
-    Parts(const SurfaceTriangles& mesh, const Metric& costs)
-        : triangles(mesh), metric(costs), sets(mesh.points().size()) {
+    Parts(const SurfaceTriangles& mesh, const Metric& costs, std::size_t points)
+        : triangles(mesh), metric(costs), sets(mesh.points().size()), ofPoint(points, kUnknown) {
         for (std::uint32_t t = 0; t < mesh.size(); ++t)
             for (unsigned k = 0; k < 3; ++k)
                 if (isClear(mesh.corner(t, k), mesh.corner(t, k + 1), t))
@@ -34,7 +35,7 @@ struct LostPoints::Parts {
         return true;
     }
     /// The part around a point of S; kNone inside of obstacles.
-    DisjointSets::Index at(const Vec3d& p) {
+    Part at(const Vec3d& p) {
         const std::uint32_t t = triangles.nearest(p).triangle;
         if (t != SurfaceTriangles::kNone)
             for (unsigned k = 0; k < 3; ++k)
@@ -45,29 +46,46 @@ struct LostPoints::Parts {
     const SurfaceTriangles& triangles;
     const Metric& metric;
     DisjointSets sets;
+    std::vector<Part> ofPoint;
 };
 
-LostPoints::LostPoints(const Band& band, const MetricPtr& metric)
-    : band_(band), metric_(metric ? metric : std::make_shared<Metric>()) {}
+LostPoints::LostPoints(const Band& band, const MetricPtr& metric, std::vector<Vec3d> pWorld)
+    : band_(band),
+      metric_(metric ? metric : std::make_shared<Metric>()),
+      points_(std::move(pWorld)) {}
 LostPoints::~LostPoints() = default;
 
-void LostPoints::add(const std::vector<SurfacePoint>& seeds, const std::vector<Vec3d>& pWorld,
-                     const std::vector<double>& distance) {
-    for (const double d : distance) all_ += !std::isnan(d);  // NaN: none was asked for
-    if (!band_.triangles || std::count(distance.begin(), distance.end(), kInfinity) == 0) return;
-    if (!parts_) parts_ = std::make_unique<Parts>(*band_.triangles, *metric_);
-    std::set<DisjointSets::Index> reached;  // a march may add as little as a pair of points
-    auto reach = [&](const Vec3d& pIndex) {
-        if (const auto part = parts_->at(pIndex); part != Parts::kNone) reached.insert(part);
+void LostPoints::add(const std::vector<SurfacePoint>& seeds, const double* distance) {
+    add(seeds, 0, points_.size(), distance);
+}
+void LostPoints::addSource(const Field& field, std::size_t source, const double* distance) {
+    std::vector<SurfacePoint> seeds;
+    for (std::size_t s = 0; s < field.seeds.size(); ++s)
+        if (field.source[s] == source) seeds.push_back(field.seeds[s]);
+    add(seeds, distance);
+}
+void LostPoints::add(const std::vector<SurfacePoint>& seeds, std::size_t point, double distance) {
+    add(seeds, point, point + 1, &distance);
+}
+
+void LostPoints::add(const std::vector<SurfacePoint>& seeds, std::size_t begin, std::size_t end,
+                     const double* distance) {
+    const double* const last = distance + (end - begin);
+    all_ += std::size_t(std::count_if(distance, last, [](double d) { return !std::isnan(d); }));
+    if (!band_.triangles || std::count(distance, last, kInfinity) == 0) return;
+    if (!parts_) parts_ = std::make_unique<Parts>(*band_.triangles, *metric_, points_.size());
+    auto partOf = [&](std::size_t k) {
+        auto& part = parts_->ofPoint[k];
+        if (part == Parts::kUnknown) part = parts_->at(band_.transform.indexFromWorld(points_[k]));
+        return part;
     };
-    auto indexOf = [&](std::size_t k) { return band_.transform.indexFromWorld(pWorld[k]); };
-    for (const SurfacePoint& seed : seeds) reach(seed.pIndex);
-    for (std::size_t k = 0; band_.joints > 0 && k < distance.size(); ++k)
-        if (distance[k] < kInfinity) reach(indexOf(k));
-    for (std::size_t k = 0; k < distance.size(); ++k)
-        if (distance[k] == kInfinity)
-            if (const auto part = parts_->at(indexOf(k)); part != Parts::kNone)
-                lost_ += reached.count(part);
+    std::set<Parts::Part> reached;  // a march may add as little as a pair of points
+    for (const SurfacePoint& seed : seeds) reached.insert(parts_->at(seed.pIndex));
+    for (std::size_t k = begin; band_.joints > 0 && k < end; ++k)
+        if (distance[k - begin] < kInfinity) reached.insert(partOf(k));
+    reached.erase(Parts::kNone);
+    for (std::size_t k = begin; k < end; ++k)
+        if (distance[k - begin] == kInfinity) lost_ += reached.count(partOf(k));
 }
 
 std::string LostPoints::warning(const char* what) const {
@@ -86,8 +104,8 @@ std::string lostWarning(const Field& field, const char* what, const std::vector<
         (field.greatest < kInfinity &&
          field.greatest < field.maxDistance + kBeyondCore * field.metric->largest()))
         return "";
-    LostPoints lost(*field.band, field.metric);
-    lost.add(field.seeds, pWorld, distance);
+    LostPoints lost(*field.band, field.metric, pWorld);
+    lost.add(field.seeds, distance.data());
     return lost.warning(what);
 }
 

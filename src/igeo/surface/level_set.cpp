@@ -14,7 +14,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <numeric>
@@ -194,7 +196,9 @@ void measure(LevelSet& s, Progress& progress) {
     st.nearSurface = all.nearSurface;
     st.crossingShare = all.nearSurface ? double(all.crossing) / double(all.nearSurface) : 0;
     st.cutVoxels = all.cut;
-    st.gradientMedian = all.gradient.quantile(0.5) * PsiTally::kGradientRange;
+    st.gradientMedian = all.gradient.total() > 0
+                            ? all.gradient.quantile(0.5) * PsiTally::kGradientRange
+                            : std::numeric_limits<double>::quiet_NaN();
     st.gradientShare = all.gradient.share((1 - kGradientTolerance) / PsiTally::kGradientRange,
                                           (1 + kGradientTolerance) / PsiTally::kGradientRange);
     st.largestCurvature =
@@ -285,6 +289,16 @@ double gradientShareBesideKinks(const LevelSet& s) {
 
 void judgeGradient(LevelSet& s) {
     const LevelSetStats& st = s.stats;
+    const char* const remedy =
+        "values in voxel units must be multiplied by the voxel size, those of a grid whose "
+        "transform was scaled by the same factor; anything else must be redistanced by rebuilt(); "
+        "what is too thin or too rough for its voxels stays none";
+    if (std::isnan(st.gradientMedian))
+        throw Error(Kind::BadInput,
+                    fmt::format("psi is not a distance: it is up to {:.3g} voxels, and no voxel "
+                                "has six active neighbors, as most of a distance have{}",
+                                st.halfWidth, where(s)),
+                    remedy);
     if (std::abs(st.gradientMedian - 1) > 0.1 || st.gradientShare < 0.7) {
         constexpr double kThinDistance = 0.75;  // beams of 2.1 voxels: 0.84; noise of 0.6: 0.64
         if (gradientShareBesideKinks(s) >= kThinDistance) {
@@ -299,11 +313,7 @@ void judgeGradient(LevelSet& s) {
             "psi changes by {:.3g} per unit length (median), and {:.0f} % of its voxels lie in "
             "[0.75, 1.25]; a signed distance has 1 and at least 70 %",
             st.gradientMedian, 100 * st.gradientShare);
-        throw Error(
-            Kind::BadInput, "psi is not a distance: " + seen + where(s),
-            "values in voxel units must be multiplied by the voxel size, those of a grid "
-            "whose transform was scaled by the same factor; anything else must be "
-            "redistanced by rebuilt(); what is too thin or too rough for its voxels stays none");
+        throw Error(Kind::BadInput, "psi is not a distance: " + seen + where(s), remedy);
     }
     if (st.gradientShare < 0.95)
         s.warnings.push_back(

@@ -1,3 +1,4 @@
+#include <igeo/band/detail/snap.h>
 #include <igeo/band/surface_point.h>
 #include <support/analytic_band.h>
 #include <support/catch.h>
@@ -129,6 +130,19 @@ TEST_CASE("nodesAround: stops at gaps and at facing sheets") {
         CHECK(found.size() > 50);
         for (const NodeIndex i : found) REQUIRE(thin.normal[i].z == float(side));
     }
+}
+
+TEST_CASE("a point is in the other space where it is near the surface there, and far as given") {
+    const auto answer = [](double asGiven, double asOther) {
+        SurfacePoint given, other;
+        given.snapDistance = asGiven, other.snapDistance = asOther;
+        return isInOtherSpace(given, other);
+    };
+    CHECK(answer(30, 0.1));
+    CHECK(answer(8.1, 2));
+    CHECK(!answer(30, 2.1));  // off the surface in both
+    CHECK(!answer(7.9, 0.1));
+    CHECK(!answer(4, 3));  // voxels of about 1 at the origin: both spaces are nearly one
 }
 
 }  // namespace igeo::test

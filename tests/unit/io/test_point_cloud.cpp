@@ -218,9 +218,6 @@ TEST_CASE("a header of a file of points that names other columns is refused") {
                                        {"x;z;y", "column 2 'z', which is read as y"},
                                        {"Z Y X", "column 1 'z', which is read as x"},
                                        {"nx,ny,nz,x,y,z", "column 1 'nx', which is read as x"},
-                                       {"x,y,z,r,g,b", "column 4 'r', which is read as nx"},
-                                       {"\"X\", \"Y\", \"Z\", \"Red\", \"Green\", \"Blue\"",
-                                        "column 4 'red', which is read as nx"},
                                        {"id,x,y,z,nx,ny", "column 2 'x', which is read as y"}}) {
         INFO(header);
         write(dir / "a.csv", header + std::string("\n1,2,3,0,0,1\n"));
@@ -233,6 +230,48 @@ TEST_CASE("a header of a file of points that names other columns is refused") {
         write(dir / "a.csv", header + std::string("\n1,2,3,0,0,1\n"));
         CHECK(readPointCloud(dir / "a.csv").points == std::vector<Vec3d>{{1, 2, 3}});
     }
+}
+
+TEST_CASE("columns that a header of a file of points names as colors are skipped") {
+    const TempDir dir;
+    const std::vector<Vec3d> points{{1, 2, 3}, {4, 5, 6}};
+    for (const char* text :
+         {"x,y,z,r,g,b\n1,2,3,255,0,10\n4,5,6,0,0,0\n", "//X Y Z R G B\n1 2 3 9 9 9\n4 5 6 0 0 0\n",
+          "\"X\", \"Y\", \"Z\", \"Red\", \"Green\", \"Blue\"\n1,2,3,1,0,0\n4,5,6,0.5,0,0\n",
+          "red,x,y,z\n7,1,2,3\n7,4,5,6\n", "x y z intensity\n1 2 3 0.1\n4 5 6 0.2\n"}) {
+        INFO(text);
+        write(dir / "a.txt", text);
+        const PointCloud cloud = readPointCloud(dir / "a.txt");
+        CHECK(cloud.points == points);
+        CHECK(cloud.normals.empty());
+    }
+    // Normals may have any length where they have names.
+    for (const char* text :
+         {"x y z r g b nx ny nz\n1 2 3 9 8 7 0 0 5\n4 5 6 9 8 7 0 3 0\n",
+          "x y z nx ny nz red green blue\n1 2 3 0 0 5 9 8 7\n4 5 6 0 3 0 9 8 7\n",
+          "x y z nx ny nz\n1 2 3 0 0 5\n4 5 6 0 3 0\n"}) {
+        INFO(text);
+        write(dir / "a.txt", text);
+        const PointCloud cloud = readPointCloud(dir / "a.txt");
+        CHECK(cloud.points == points);
+        CHECK(cloud.normals == std::vector<Vec3f>{{0, 0, 5}, {0, 3, 0}});
+    }
+    write(dir / "a.txt", "x y z r g b\n1 2 3 4 5 6\n1 2 3\n");
+    expectError(Kind::BadInput, {"a.txt, line 3", "does not hold 6 numbers"},
+                [&] { readPointCloud(dir / "a.txt"); });
+    write(dir / "a.txt", "x y z r g b ny nx nz\n1 2 3 4 5 6 7 8 9\n");
+    expectError(Kind::BadInput, {"a.txt, line 1", "'ny', which is read as nx"},
+                [&] { readPointCloud(dir / "a.txt"); });
+}
+
+TEST_CASE("six columns without names hold unit normals") {
+    const TempDir dir;
+    write(dir / "a.xyz", "1 2 3 0 0 1\n4 5 6 0.7 0.7 0\n");
+    CHECK(readPointCloud(dir / "a.xyz").normals.size() == 2);
+    write(dir / "a.xyz", "1 2 3 0 0 1\n4 5 6 255 128 0\n");
+    expectError(Kind::BadInput,
+                {"a.xyz, line 2", "no name for columns 4 to 6", "285.3, not 1", "x y z r g b"},
+                [&] { readPointCloud(dir / "a.xyz"); });
 }
 
 TEST_CASE("a byte order mark before points is skipped") {

@@ -75,6 +75,19 @@ openvdb::FloatGrid::Ptr noisySphere(double radius, double noise) {
     return grid;
 }
 
+/// A prism on a circle of radius 1, 4 high, without ends.
+TriangleMesh prism(std::uint32_t sides) {
+    TriangleMesh mesh;
+    for (std::uint32_t k = 0; k < sides; ++k) {
+        const double a = 2 * M_PI * k / sides;
+        for (const double z : {-2.0, 2.0}) mesh.points.push_back({std::cos(a), std::sin(a), z});
+        const std::uint32_t here = 2 * k, next = 2 * ((k + 1) % sides);
+        mesh.triangles.push_back({here, next, next + 1});
+        mesh.triangles.push_back({here, next + 1, here + 1});
+    }
+    return mesh;
+}
+
 Curvature ofMeans(const std::vector<float>& means) {
     Curvature c;
     for (const float m : means) c.k1.push_back(m), c.k2.push_back(0), c.direction1.push_back({});
@@ -375,6 +388,36 @@ TEST_CASE("curvature weights that make no metric are refused") {
                 [&] { curvatureWeights(c, CurvatureKind::Valley, 1e300, 3); });
     expectError(Kind::InvalidArgument, {"float"},
                 [&] { curvatureWeights(c, CurvatureKind::Valley, 1e-60, 3); });
+}
+
+TEST_CASE("facets wider than the scale of curvature are found, prisms with few sides are none") {
+    // Sides 0.52 wide: 52, 26, 13 voxels, and 8.7, where costs are right to 1 %.
+    const TriangleMesh coarse = prism(12);
+    for (const double dx : {0.01, 0.02, 0.04}) CHECK(shareOfWideFacets(coarse, dx, 2) == 1);
+    CHECK(shareOfWideFacets(coarse, 0.06, 2) == 0);
+    CHECK(shareOfWideFacets(coarse, 0.02, 6) == 0);
+    CHECK(shareOfWideFacets(prism(4), 0.01, 2) == 0);
+    CHECK(shareOfWideFacets(prism(96), 0.01, 2) == 0);
+    const std::string warning = wideFacetWarning(coarse, 0.01, 2);
+    for (const char* phrase : {"on 100 % of the surface", "wider than 10 voxels", "a larger scale"})
+        CHECK(warning.find(phrase) != std::string::npos);
+    CHECK(wideFacetWarning(coarse, 0.06, 2).empty());
+}
+
+TEST_CASE("a flat side beside a finely divided bend is no wide facet") {
+    // Two squares at a right angle, 100 voxels wide, and between them a bend of six strips.
+    TriangleMesh mesh;
+    const auto add = [&](double x, double z) {
+        for (const double y : {0.0, 1.0}) mesh.points.push_back({x, y, z});
+        const auto n = std::uint32_t(mesh.points.size());
+        if (n < 4) return;
+        mesh.triangles.push_back({n - 4, n - 2, n - 1});
+        mesh.triangles.push_back({n - 4, n - 1, n - 3});
+    };
+    add(-1, 0);
+    for (int k = 0; k <= 6; ++k) add(0.1 * std::sin(k * M_PI / 12), 0.1 * std::cos(k * M_PI / 12));
+    add(0.1, -1);
+    CHECK(shareOfWideFacets(mesh, 0.01, 2) == 0);
 }
 
 }  // namespace igeo::test

@@ -1,8 +1,11 @@
 #include <igeo/base/parallel.h>
+#include <igeo/march/jet.h>
 #include <igeo/metric/obstacles.h>
+#include <igeo/surface/mesh_band.h>
 #include <support/analytic_band.h>
 #include <support/catch.h>
 #include <support/expect_error.h>
+#include <support/mesh_shapes.h>
 #include <support/openvdb.h>
 #include <support/shapes.h>
 #include <support/walls.h>
@@ -135,6 +138,24 @@ TEST_CASE("obstacles: a mask's voxel blocks the strips that its grown cube meets
     }
     CHECK(hits > 100);
     CHECK(set.block({2, -2, 5}, {4, -2, 5}, {}));  // no normal: no sweep
+}
+
+TEST_CASE("obstacles: a box in a gap that is joined blocks the joints") {
+    auto square = [](double from) {
+        return sheet(3, 3, [from](double u, double v) { return Vec3d{from + 12 * u, 12 * v, 0}; });
+    };
+    const Band band = bandFromMesh(together(square(0), square(13.5)), 1, kHalfWidth,
+                                   Progress::none(), /*joinGaps=*/2);
+    REQUIRE(band.joints == 1);
+    for (const bool high : {false, true}) {
+        const auto set = std::make_shared<ObstacleSet>(Similarity{});
+        set->addBox({12.3, -9, high ? 3.0 : -1.0}, {13.2, 99, 9});
+        const auto metric = std::make_shared<Metric>();
+        metric->setObstacles(band, set);
+        CHECK(metric->blocksAny(band) == !high);
+        const Field field = marchJet(band, metric, {nearestSurfacePoint(band, {6, 6, 0})});
+        CHECK((sampleDistance(field, {18, 6, 0}) < kInfinity) == high);
+    }
 }
 
 TEST_CASE("obstacles: spheres and boxes are exact") {

@@ -298,5 +298,23 @@ TEST_CASE("shoot: ends where a mesh does, and refuses a direction off it", "[mes
     });
 }
 
+TEST_CASE("shoot: ends at a vertex of a rim, whatever the rounding", "[mesh]") {
+    const TriangleMesh flat = test::sheet(4, 4, [](double u, double v) {
+        return Vec3d{u, v, 0.2 * std::sin(5 * u) * std::sin(4 * v)};
+    });
+    for (const double dx : {1.0 / 48, 1.0 / 64, 0.017}) {
+        const Band band = bandFromMesh(flat, dx, test::kHalfWidth);
+        for (const Vec3d& p : flat.points)
+            for (const Vec3d& along : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{-1, -1, 0}}) {
+                const SurfacePoint start =
+                    nearestSurfacePoint(band, band.transform.indexFromWorld(p));
+                const Path path = shoot(band, start, along, 3 / dx);
+                CHECK(path.status == PathStatus::Stalled);
+                CHECK(path.weightedLength < 2 / dx);
+                CHECK(path.vertices.size() < 1000);
+            }
+    }
+}
+
 }  // namespace
 }  // namespace igeo

@@ -179,7 +179,9 @@ TEST_CASE("farthestPoints: every foot point once, and no more") {
     };
     expectError(Error::Kind::InvalidArgument, {"0 points", std::to_string(band.coreSize())},
                 ask(0));
-    expectError(Error::Kind::InvalidArgument, {std::to_string(band.coreSize() + 1), "finer"},
+    expectError(Error::Kind::InvalidArgument,
+                {std::to_string(band.coreSize() + 1) + " points are to be spread",
+                 "at most " + std::to_string(band.coreSize()) + " are allowed", "fewer", "smaller"},
                 ask(band.coreSize() + 1));
     struct Stop : Progress {
         bool cancelled() const override { return true; }

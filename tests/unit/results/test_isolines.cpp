@@ -1,4 +1,6 @@
 #include <igeo/base/parallel.h>
+#include <igeo/distance.h>
+#include <igeo/geodesic_solver.h>
 #include <igeo/results/curve_files.h>
 #include <igeo/results/isolines.h>
 #include <support/catch.h>
@@ -278,6 +280,36 @@ TEST_CASE("isolines: the same bytes for any number of threads") {
         if (first.empty()) first = bytes;
         CHECK(bytes == first);
     }
+}
+
+TEST_CASE("isolines: levels have the sign of a signed distance") {
+    const double dx = 0.05, half = std::acos(0.5);
+    const Surface surface(*makeLevelSet(sphere({0, 0, 0}, 1), dx, 3));
+    auto cap = std::make_shared<ObstacleSet>(surface.transform());
+    cap->addSphere({0, 0, 1}, 2 * std::sin(half / 2));
+    Seeds seeds;
+    seeds.regions.push_back(cap);
+    seeds.isSigned = true;
+    const Distance d = GeodesicSolver(surface).distance(seeds);
+    const SurfaceMesh mesh = d.indexMesh();
+    const auto levelsOf = [&](const std::vector<double>& levels) {
+        std::vector<double> found;
+        for (const Isoline& line : isolines(d.field(), mesh, levels)) {
+            found.push_back(line.level);
+            for (const Vec3d& p : line.points) {
+                const Vec3d q = normalized(surface.transform().worldFromIndex(p));
+                CHECK(std::acos(q.z) - half == Approx(line.level * dx).margin(0.01));
+            }
+        }
+        return found;
+    };
+    // The cap ends at -20.9 voxels, the sphere at 41.9.
+    CHECK(levelsOf({10}) == std::vector<double>{10});
+    CHECK(levelsOf({-10}) == std::vector<double>{-10});
+    const std::vector<double> both = onBothSides(d.field(), levelsBySpacing(d.field(), 10));
+    CHECK(both == std::vector<double>{-40, -30, -20, -10, 10, 20, 30, 40});
+    CHECK(levelsOf(both) == std::vector<double>{-20, -10, 10, 20, 30, 40});
+    CHECK(onBothSides(Field(), {0, 2}) == std::vector<double>{0, 2});
 }
 
 TEST_CASE("isolines: bad levels are refused") {

@@ -41,8 +41,8 @@ struct Marched {
         field = marchJet(band, metric, {nearestSurfacePoint(band, {3, 8, 0.3})});
     }
     std::size_t lost(const std::vector<Vec3d>& points, const std::vector<double>& d) const {
-        LostPoints all(band, metric);
-        all.add(field.seeds, points, d);
+        LostPoints all(band, metric, points);
+        all.add(field.seeds, d.data());
         return all.count();
     }
 };
@@ -55,6 +55,13 @@ TEST_CASE("lost points: those that triangles join to a seed", "[results]") {
     CHECK(m.lost({kBeside, kFarther, kOnOther}, {5.4, 10, kInfinity}) == 0);
     CHECK(m.lost({kBeside, kFarther, kOnOther}, {5.4, kInfinity, kInfinity}) == 1);
     CHECK(m.lost({kBeside, kFarther}, {kNaN, kInfinity}) == 1);
+    LostPoints rows(m.band, m.metric, {kBeside, kFarther, kOnOther});
+    const double row[] = {5.4, kInfinity, kInfinity};
+    rows.addSource(m.field, 0, row);
+    rows.addSource(m.field, 0, row);
+    rows.add(m.field.seeds, 1, kInfinity);
+    CHECK(rows.count() == 3);
+    CHECK(rows.warning("distances").find("3 of 7 distances") == 0);
     const std::string said =
         lostWarning(m.field, "targets", {kBeside, kFarther, kBeside}, {5, kInfinity, kNaN});
     INFO(said);

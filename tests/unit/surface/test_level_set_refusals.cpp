@@ -85,6 +85,13 @@ TEST_CASE("checkLevelSet refuses values that are no distances") {
     // Voxels of a size that makes the band too thin.
     expectRefusal(changed(everywhere, [](float v) { return 0.2f * v; }),
                   {"reach only 0.6 voxels", "world units"});
+    // In voxel units, and next to the surface only: no voxel has six neighbors to judge it by.
+    auto thin = soundSphere();
+    for (auto it = thin->beginValueOn(); it; ++it) {
+        if (std::abs(*it) > 0.5f * float(kDx)) it.setValueOff();
+        it.setValue(*it / float(kDx));
+    }
+    expectRefusal(thin, {"not a distance", "no voxel has six active neighbors", "voxel units"});
 }
 
 TEST_CASE("checkLevelSet refuses what an open mesh becomes") {

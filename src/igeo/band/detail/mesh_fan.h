@@ -58,6 +58,16 @@ public:
     bool sees(std::size_t k, const Vec3d& to, WalkEnds& way) const;
     /// The points at which the line to a point of part k crosses edges, the last first.
     std::vector<Vec3d> crossings(std::size_t k, const Vec3d& to) const;
+    /// Calls visit(a, b, triangle) for each straight part of that line, the last first.
+    template <typename Visit>
+    void forSegments(std::size_t k, const Vec3d& to, const Visit& visit) const {
+        Vec3d last = to;
+        for (const Vec3d& crossing : crossings(k, to)) {
+            visit(last, crossing, parts_[k].triangle);
+            last = crossing, k = parts_[k].before;
+        }
+        visit(last, from_, parts_[k].triangle);
+    }
 
     /// Whether a line as long as the fan has a direction that isIn(direction) accepts; eight are
     /// asked in each part.
@@ -88,6 +98,7 @@ private:
     Vec3d inSpace(const Part& part, Vec2d v) const;
 
     const Mesh& mesh_;
+    const Vec3d from_;
     double most_;
     std::vector<Part> parts_;
 };
@@ -122,7 +133,7 @@ Vec3d MeshFan<Mesh>::inSpace(const Part& part, Vec2d v) const {
 
 template <typename Mesh>
 MeshFan<Mesh>::MeshFan(const Mesh& mesh, const MeshPoint& from, double most)
-    : mesh_(mesh), most_(most) {
+    : mesh_(mesh), from_(from.at), most_(most) {
     begin(from);
     for (std::size_t k = 0; k < parts_.size() && parts_.size() < kMostParts; ++k) leave(k);
 }

@@ -75,6 +75,18 @@ public:
     double tightLength(const MeshPoint& from, const MeshPoint& to, double most);
     /// The same with its directions at both ends.
     WalkEnds ends(const MeshPoint& from, const MeshPoint& to, double most);
+    /// Calls visit(a, b, triangle) for each straight part of the walk that `ends` has found, from
+    /// its end back to its start.
+    template <typename Visit>
+    void forSegments(const MeshPoint& from, const MeshPoint& to, const Visit& visit) const {
+        Vec3d last = to.at;
+        std::uint32_t triangle = to.triangle;
+        for (const Stop& crossing : heap_) {
+            visit(last, crossing.at, triangle);
+            last = crossing.at, triangle = crossing.triangle;
+        }
+        visit(last, from.at, triangle);
+    }
 
 private:
     struct Stop {

@@ -6,6 +6,7 @@
 #include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 
+#include <algorithm>
 #include <string>
 
 namespace igeo {
@@ -13,6 +14,15 @@ namespace igeo {
 /// @param maxSnap  world units; a relative excess of 1e-6 passes, for rounding
 inline bool isNear(const SurfacePoint& p, const Similarity& transform, double maxSnap) {
     return p.snapDistance <= maxSnap / transform.dx * (1 + 1e-6);
+}
+
+/// Whether a point was probably given in the other of world and index space: taken so, it is within
+/// two voxels of the surface, and as given it is more than four times as far. Where voxels of about
+/// 1 make both spaces nearly one, it is not.
+inline bool isInOtherSpace(const SurfacePoint& asGiven, const SurfacePoint& asOther) {
+    constexpr double kNear = 2, kTimes = 4;
+    return asOther.snapDistance <= kNear &&
+           asGiven.snapDistance > kTimes * std::max(asOther.snapDistance, kNear);
 }
 
 /// @param what  names the point in the message

@@ -6,6 +6,7 @@
 #include <igeo/io/detail/number_lines.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
@@ -68,25 +69,41 @@ std::vector<double> numbersIn(const std::string& text) {
     return out;
 }
 
-void requireColumns(const std::string& file, std::size_t number, std::string_view header,
-                    const std::string& columns) {
-    std::stringstream fields(withCommas(std::string(header))), order(columns);
+std::vector<std::string> namesInHeader(std::string_view header) {
+    std::stringstream fields(withCommas(std::string(header)));
     std::vector<std::string> names;
     for (std::string field; std::getline(fields, field, ',');) names.push_back(nameInHeader(field));
+    return names;
+}
+
+std::vector<bool> extraColumns(const std::vector<std::string>& names) {
     const auto isOneOf = [](const std::string& name, std::initializer_list<const char*> others) {
         return std::find(others.begin(), others.end(), name) != others.end();
     };
     const auto isThere = [&](const char* name) {
         return std::find(names.begin(), names.end(), name) != names.end();
     };
-    // In a,b,c the b is no blue.
     const bool hasColors = isThere("r") && isThere("g") && isThere("b");
+    std::vector<bool> extra;
+    for (const std::string& name : names)
+        extra.push_back(
+            isOneOf(name, {"red", "green", "blue", "alpha", "rgb", "rgba", "gray", "intensity",
+                           "reflectance", "label", "class", "classification"}) ||
+            (hasColors && isOneOf(name, {"r", "g", "b", "a", "i"})));
+    return extra;
+}
+
+void requireColumns(const std::string& file, std::size_t number, std::string_view header,
+                    const std::string& columns) {
+    std::stringstream order(columns);
+    const std::vector<std::string> names = namesInHeader(header);
+    const std::vector<bool> extra = extraColumns(names);
     std::string read;
     for (std::size_t k = 0; k < names.size() && std::getline(order, read, ','); ++k) {
         const std::string& name = names[k];
+        constexpr std::array<const char*, 6> kOthers{"x", "y", "z", "nx", "ny", "nz"};
         const bool isKnown =
-            isOneOf(name, {"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue"}) ||
-            (hasColors && isOneOf(name, {"r", "g", "b"}));
+            extra[k] || std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end();
         if (isKnown && name != read)
             throw Error(Error::Kind::BadInput,
                         fmt::format("{}, line {}: the header '{}' names column {} '{}', which is "

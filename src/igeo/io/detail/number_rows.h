@@ -11,6 +11,14 @@ namespace igeo {
 /// The finite numbers of a text, separated by commas; empty where a part is no number.
 std::vector<double> numbersIn(const std::string& text);
 
+/// The names of the columns in a header, in lower case, without blanks, quotes and slashes around
+/// them.
+std::vector<std::string> namesInHeader(std::string_view header);
+
+/// Whether each column holds a color, the intensity or a class of the point, by its name. r, g and
+/// b count together only: in a,b,c the b is no blue.
+std::vector<bool> extraColumns(const std::vector<std::string>& names);
+
 /// Refuses a header that names a coordinate, a part of a normal or of a color (x, nx, red; r, g and
 /// b together) in a column that is read as something else: y,x,z, or x,y,z,r,g,b where columns 4 to
 /// 6 are normals. Other names are allowed.

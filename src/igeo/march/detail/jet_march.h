@@ -171,6 +171,9 @@ private:
     /// Whether a crease is within two links.
     bool isCreasedBeside(NodeIndex i) const;
     Jump jumpTo(NodeIndex i) const;
+    /// Whether an obstacle blocks a jump from j, or the walk that it stands for.
+    /// @param walk  its length
+    bool isJumpBlocked(NodeIndex i, NodeIndex j, double walk) const;
     /// A node from which a front may come to another.
     struct From {
         double least;  ///< of the other, if it does

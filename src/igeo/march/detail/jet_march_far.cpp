@@ -7,6 +7,11 @@
 // Beyond links: over two of them, and over jumps.
 namespace igeo {
 
+namespace {
+/// How much longer walks may be than the chord of a jump, voxels.
+constexpr double kWalkRoom = 0.1;
+}  // namespace
+
 JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, const Batch& batch,
                                           JetGroup::Solution s) const {
     if (core_.band.triangles) return walkTwoLinks(i, row, s);
@@ -100,7 +105,7 @@ JetMarch::Jump JetMarch::firstByWalks(NodeIndex i, std::vector<From> from, doubl
     const double weight = core_.largestCostAt(i);
     const SurfaceTriangles::Place place = band.footPlace(core_.inBand(node));
     const double side = sideOf(*band.triangles, place, up);
-    JetsByWalks jets(band, place, weight);
+    JetsByWalks jets(band, core_.metric, place, weight);
     std::sort(from.begin(), from.end());
     from.erase(std::unique(from.begin(), from.end(),
                            [](const From& a, const From& b) { return a.node == b.node; }),
@@ -109,6 +114,7 @@ JetMarch::Jump JetMarch::firstByWalks(NodeIndex i, std::vector<From> from, doubl
     for (const From& f : from) {
         if (f.least > least + around * weight) break;
         const NodeIndex other = core_.inBand(core_.nodes[f.node]);
+        if (f.line && jets.isBlocked(other, f.line->length)) continue;
         const NodeJet jet{jets_.valueOf(f.node), jets_.gradientOf(f.node), jets_.labelOf(f.node)};
         const double cost = core_.largestCostAt(f.node);
         least = std::min(least, f.line ? jets.add(*f.line, other, jet, cost)
@@ -127,7 +133,7 @@ JetMarch::Jump JetMarch::firstByWalks(NodeIndex i, std::vector<From> from, doubl
 }
 
 JetMarch::Jump JetMarch::jumpTo(NodeIndex i) const {
-    constexpr double kRoom = 0.1, kAround = 1;  // voxels; around: jumps that matter
+    constexpr double kAround = 1;  // voxels: jumps that matter
     auto cost = [&](NodeIndex j) { return (core_.largestCostAt(i) + core_.largestCostAt(j)) / 2; };
     Jump jump;
     if (core_.band.triangles && isotropic_) {
@@ -135,7 +141,7 @@ JetMarch::Jump JetMarch::jumpTo(NodeIndex i) const {
         forJumps(core_, i, [&](NodeIndex j, const Vec3f& chord) {
             if (!jets_.accepted(j)) return;
             const double far = double(length(chord));
-            from.push_back({jets_.valueOf(j) + cost(j) * far, kBeforeTight * far + kRoom, j});
+            from.push_back({jets_.valueOf(j) + cost(j) * far, kBeforeTight * far + kWalkRoom, j});
         });
         forWays(core_, i, [&](NodeIndex j, const WalkEnds& line) {
             if (!jets_.accepted(j)) return;
@@ -144,12 +150,25 @@ JetMarch::Jump JetMarch::jumpTo(NodeIndex i) const {
         jump = firstByWalks(i, std::move(from), kAround);
         if (jump.u < float(kInfinity)) return jump;
     }
+    // Across gaps, where there is no walk.
     forJumps(core_, i, [&](NodeIndex j, const Vec3f& chord) {
-        if (!jets_.accepted(j)) return;
+        if (!jets_.accepted(j) || isJumpBlocked(i, j, double(length(chord)))) return;
         const float u = fromStart(jets_.valueOf(j) + cost(j) * double(length(chord)));
         if (u < jump.u) jump = {u, {}, jets_.labelOf(j)};
     });
     return jump;
+}
+
+bool JetMarch::isJumpBlocked(NodeIndex i, NodeIndex j, double walk) const {
+    const Metric& metric = core_.metric;
+    if (!metric.obstacles) return false;
+    const JetNode &to = core_.nodes[i], &from = core_.nodes[j];
+    const Vec3d p = core_.footOf(to), q = core_.footOf(from);
+    if (!metric.obstacles->mayBeNear(p, walk)) return false;
+    return metric.blocked(q, p, normalized(Vec3d(to.normal + from.normal))) ||
+           (core_.band.triangles && isotropic_ &&
+            JetsByWalks(core_.band, metric, core_.band.footPlace(core_.inBand(to)), 1)
+                .isBlocked(core_.inBand(from), walk));
 }
 
 void JetMarch::enqueueJumps(NodeIndex from, const Result& jet, const Batch& batch, Chunk& chunk) {

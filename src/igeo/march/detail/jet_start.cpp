@@ -157,8 +157,8 @@ private:
         for (std::size_t k = 0; k < fan.parts().size(); ++k)
             band.ways->nodes.forOn(fan.parts()[k].triangle, [&](NodeIndex node) {
                 if (!fan.sees(k, band.footPoint(node), way)) return;
+                if (isBlocked(core_.metric, *band.triangles, fan, k, band.footPoint(node))) return;
                 const NodeIndex i = band.coreNode(node);
-                if (core_.nodes[i].obstacleState == Metric::Inside) return;
                 const LocalFrame local = core_.localFrame(i);
                 found_.emplace_back(i,
                                     jetOver(way, core_, seeds_, k_, local, band.footPlace(node)));

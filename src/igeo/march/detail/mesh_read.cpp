@@ -1,6 +1,5 @@
 #include <igeo/march/detail/mesh_read.h>
 
-#include <igeo/band/detail/mesh_fan.h>
 #include <igeo/band/detail/mesh_ways.h>
 #include <igeo/march/detail/fermat_update.h>
 
@@ -116,8 +115,30 @@ void JetsByWalks::addAcross(NodeIndex node, const NodeJet& jet, double weight) {
 }
 
 double JetsByWalks::add(NodeIndex node, const NodeJet& jet, double weight, double most) {
-    const auto from = band_.footPlace(node);
-    return add(walk_.ends({from.triangle, from.point}, at_, most), node, jet, weight);
+    const SurfaceTriangles::Place place = band_.footPlace(node);
+    const MeshPoint from{place.triangle, place.point};
+    const WalkEnds way = walk_.ends(from, at_, most);
+    return isBlocked(from, way) ? kInfinity : add(way, node, jet, weight);
+}
+
+bool JetsByWalks::isBlocked(NodeIndex node, double walk) {
+    constexpr double kTimes = 1.5, kRoom = 1;  // before it is pulled tight; voxels
+    if (!metric_.obstacles || !metric_.obstacles->mayBeNear(at_.at, walk)) return false;
+    const SurfaceTriangles::Place place = band_.footPlace(node);
+    const MeshPoint from{place.triangle, place.point};
+    const WalkEnds way = walk_.ends(from, at_, kTimes * walk + kRoom);
+    return way.length < kInfinity ? isBlocked(from, way) : band_.joints == 0;
+}
+
+bool JetsByWalks::isBlocked(const MeshPoint& from, const WalkEnds& way) const {
+    if (!(way.length < kInfinity) || !metric_.obstacles ||
+        !metric_.obstacles->mayBeNear(at_.at, way.length))
+        return false;
+    bool blocked = false;
+    walk_.forSegments(from, at_, [&](const Vec3d& a, const Vec3d& b, std::uint32_t t) {
+        blocked = blocked || metric_.blocked(a, b, triangles_.normal(t));
+    });
+    return blocked;
 }
 
 double JetsByWalks::add(const WalkEnds& way, NodeIndex node, const NodeJet& jet, double weight) {
@@ -172,6 +193,16 @@ JetsByWalks::First JetsByWalks::first(std::uint32_t source) const {
     return first;
 }
 
+bool isBlocked(const Metric& metric, const SurfaceTriangles& triangles,
+               const MeshFan<SurfaceTriangles>& fan, std::size_t k, const Vec3d& to) {
+    if (!metric.obstacles || !metric.obstacles->mayBeNear(to, MeshWays::kReach)) return false;
+    bool blocked = false;
+    fan.forSegments(k, to, [&](const Vec3d& a, const Vec3d& b, std::uint32_t t) {
+        blocked = blocked || metric.blocked(a, b, triangles.normal(t));
+    });
+    return blocked;
+}
+
 bool hasWays(const Band& band, const BandCell& cell) {
     if (!band.ways) return false;
     bool found = false;
@@ -198,6 +229,7 @@ std::vector<Seen> seenFrom(const Field& field, const SurfaceTriangles::Place& at
     WalkEnds out;
     auto add = [&](std::size_t part, NodeIndex node, const SurfacePoint* seed, const Vec3d& there,
                    const NodeJet& jet) {
+        if (isBlocked(*field.metric, triangles, fan, part, there)) return;
         all.push_back({node, seed, jet, out.reversed(), {}});
         if (!withCrossings) return;
         all.back().crossings = fan.crossings(part, there);
@@ -229,7 +261,7 @@ JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at,
     const Band& band = *field.band;
     const std::vector<Near> nodes = coreNear(field, at.point, band.triangles->normal(at.triangle));
     const double here = weightAt(field, at.point, cell, nodes);
-    JetsByWalks jets(band, at, here);
+    JetsByWalks jets(band, *field.metric, at, here);
     double first = kInfinity;
     std::vector<NodeIndex> joined;
     std::vector<const Near*> apart;

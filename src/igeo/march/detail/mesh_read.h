@@ -5,7 +5,7 @@
 /// at both ends it makes the same angle with the direction of travel.
 #pragma once
 
-#include <igeo/band/detail/short_walk.h>
+#include <igeo/band/detail/mesh_fan.h>
 #include <igeo/march/detail/jet_neighbors.h>
 #include <igeo/march/field.h>
 
@@ -38,8 +38,10 @@ double sideOf(const SurfaceTriangles& triangles, const SurfaceTriangles::Place& 
 class JetsByWalks {
 public:
     /// @param here  the weight at the point
-    JetsByWalks(const Band& band, const SurfaceTriangles::Place& at, double here)
+    JetsByWalks(const Band& band, const Metric& metric, const SurfaceTriangles::Place& at,
+                double here)
         : band_(band),
+          metric_(metric),
           triangles_(*band.triangles),
           walk_(triangles_),
           at_{at.triangle, at.point},
@@ -49,10 +51,14 @@ public:
     /// @param jet     its gradient of any length
     /// @param weight  there
     /// @param most    longest walk, voxels
-    /// @return an upper bound of the distance at the point; +infinity without a walk
+    /// @return an upper bound of the distance at the point; +infinity without a walk, or where an
+    ///         obstacle blocks it
     double add(NodeIndex node, const NodeJet& jet, double weight, double most);
 
-    /// The same over a line that is known.
+    /// Whether an obstacle blocks the walk of a length from a node, or is near where no such walk
+    /// is found and no gaps are joined.
+    bool isBlocked(NodeIndex node, double walk);
+    /// The same over a line that is known, past all obstacles.
     double add(const WalkEnds& line, NodeIndex node, const NodeJet& jet, double weight);
 
     /// The same across a gap that a bridge joins, to a point at its rim: over both planes,
@@ -80,7 +86,11 @@ private:
     /// The number of a face by its normal.
     std::size_t faceOf(const Vec3d& up);
 
+    /// Whether an obstacle blocks the walk that was found last.
+    bool isBlocked(const MeshPoint& from, const WalkEnds& way) const;
+
     const Band& band_;
+    const Metric& metric_;
     const SurfaceTriangles& triangles_;
     ShortWalk<SurfaceTriangles> walk_;
     MeshPoint at_;
@@ -88,6 +98,10 @@ private:
     std::vector<Carried> jets_;
     std::vector<Vec3d> faceNormal_;
 };
+
+/// Whether an obstacle blocks the straight line of a fan to a point of its part k.
+bool isBlocked(const Metric& metric, const SurfaceTriangles& triangles,
+               const MeshFan<SurfaceTriangles>& fan, std::size_t k, const Vec3d& to);
 
 /// Whether straight lines end at a corner of a cell or beside it.
 bool hasWays(const Band& band, const BandCell& cell);
@@ -102,7 +116,7 @@ struct Seen {
 
     double distance(double weight) const { return jet.distance + weight * line.length; }
 };
-/// All of them up to MeshWays::kReach that have a value.
+/// All of them up to MeshWays::kReach that have a value, past all obstacles.
 std::vector<Seen> seenFrom(const Field& field, const SurfaceTriangles::Place& at,
                            bool withCrossings = false);
 /// Carries their jets to the point.

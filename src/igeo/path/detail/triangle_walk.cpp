@@ -86,6 +86,7 @@ std::optional<double> TriangleWalk::advance(double most) {
         p_ += most * velocity_;
         return most;
     }
+    if (way < kExactlyOn) way = 0;  // no step at all, or rounding would keep a stuck walk going
     const Vec3d a = triangles_.corner(t_, exit), b = triangles_.corner(t_, exit + 1);
     p_ += way * velocity_;
     bool onward;

@@ -200,14 +200,14 @@ double flatLength(const Band& band, NodeIndex i, const Vec3f& chord, NodeIndex j
 
 std::vector<LeafBend> bendsOf(const MeshAdjacency& adjacency, const std::vector<Vec3d>& faceNormal,
                               const std::vector<NearLeaf>& leaves, Progress& progress) {
-    constexpr double kSharp = 0.8;
+    constexpr double kAlike = 0.8;
     std::vector<LeafBend> bends(leaves.size());
     auto bendAt = [&](std::uint32_t t) {
         LeafBend most = LeafBend::Slight;
         for (std::size_t k = 0; k < 3; ++k)
             adjacency.forBeyond(t, k, [&](std::uint32_t u) {
                 const double cosine = dot(faceNormal[t], faceNormal[u]);
-                if (cosine < kSharp) most = std::max(most, LeafBend::Sharp);
+                if (cosine < kAlike) most = std::max(most, LeafBend::Sharp);
                 if (cosine < double(Band::kOtherSheet)) most = LeafBend::Fold;
             });
         return most;
