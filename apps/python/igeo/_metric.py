@@ -18,6 +18,9 @@ from .surface import Surface
 
 _CURVATURES = ("valley", "crest", "mean", "gaussian", "principal")
 
+# How often the intervals that hold the rim of an obstacle are halved: it is then right to 1/64 voxel.
+_HALVINGS = 5
+
 # An array per vertex, a function of foot points, or FILE[:GRID] of a .vdb file.
 Cost = Union[ArrayLike, OfPoints, Path]
 
@@ -106,12 +109,25 @@ class MetricReader:
         elif _is_file(value):
             warn(self.metric.block_grid(arguments.path(value, name)), 6)
         elif callable(value):
-            found = self._at_feet(value)
-            blocked = arguments.mask(found, f"what {name} returns", self._nodes(), "point")
-            if blocked.any():
-                self.metric.block_nodes(blocked, name)
+            self._obstacle_of_points(value, name)
         else:
             count = self._vertices(name)
             blocked = arguments.mask(value, name, count, "vertex")
             if blocked.any():
                 self.metric.block_vertices(blocked)
+
+    def _obstacle_of_points(self, function: Callable[[Floats], ArrayLike], name: str) -> None:
+        """An obstacle whose rim is where the function changes, found by halving."""
+
+        def checked(found: ArrayLike, points: int) -> Any:
+            return arguments.mask(found, f"what {name} returns", points, "point")
+
+        blocked = checked(self._at_feet(function), self._nodes())
+        if not blocked.any():
+            return
+        rim = _igeo.ObstacleRim(self._plain, blocked)
+        for _ in range(_HALVINGS):
+            middles = rim.middles()
+            if len(middles) > 0:
+                rim.halve(checked(function(middles), len(middles)))
+        self.metric.block_inside(rim, name)

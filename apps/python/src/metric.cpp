@@ -5,6 +5,7 @@
 #include "arrays.h"
 #include "background.h"
 #include "bindings.h"
+#include "obstacle_rim.h"
 
 namespace {
 
@@ -77,20 +78,6 @@ Array<double> footPoints(const igeo::GeodesicSolver& plain, const py::object& pr
     }));
 }
 
-/// Adds the voxels of the nodes with blocked foot points.
-void addNodeObstacle(MetricBuilder& metric, const Array<bool>& blocked, const std::string& name) {
-    const py::gil_scoped_release released;
-    const auto band = metric.plain().wholeBand();
-    auto mask = openvdb::MaskGrid::create();
-    mask->setTransform(metric.plain().surface().gridTransform()->copy());
-    auto accessor = mask->getAccessor();
-    for (std::size_t k = 0; k < band->size(); ++k) {
-        const igeo::Ijk v = band->ijk(NodeIndex(k));
-        if (blocked.data()[k]) accessor.setValueOn({v.x, v.y, v.z});
-    }
-    metric.obstacles().addGrid({mask, name, name});
-}
-
 void setCurvatureWeight(MetricBuilder& metric, const std::string& kind, double epsilon,
                         double power) {
     static const std::map<std::string, igeo::CurvatureKind> kKinds{
@@ -120,6 +107,11 @@ void bindMetric(py::module_& module) {
     using namespace py::literals;
     module.def("foot_points", &footPoints, "plain"_a, "progress"_a);
     module.def("blocks_any", &blocksAny, "solver"_a);
+    py::class_<ObstacleRim>(module, "ObstacleRim")
+        .def(py::init<const igeo::GeodesicSolver&, const Array<bool>&>(), "plain"_a, "blocked"_a,
+             py::call_guard<py::gil_scoped_release>())
+        .def("middles", &ObstacleRim::middles)
+        .def("halve", &ObstacleRim::halve, "blocked"_a);
     py::class_<MetricBuilder>(module, "Metric")
         .def(py::init<igeo::GeodesicSolver>(), "plain"_a)
         .def(
@@ -182,7 +174,13 @@ void bindMetric(py::module_& module) {
                 m.obstacles().addVertices(igeo::requireMesh(m.plain().surface()), maskOf(blocked));
             },
             "blocked"_a)
-        .def("block_nodes", &addNodeObstacle, "blocked"_a, "name"_a)
+        .def(
+            "block_inside",
+            [](MetricBuilder& m, const ObstacleRim& rim, const std::string& name) {
+                const py::gil_scoped_release released;
+                m.obstacles().addGrid({rim.levelSet(), name, name});
+            },
+            "rim"_a, "name"_a)
         .def(
             "block_grid",
             [](MetricBuilder& m, const std::string& file) {
