@@ -356,11 +356,14 @@ Path straightened(const Field& field, const Path& path, Progress& progress) {
 }
 
 void straighten(const Field& field, Path& path, Progress& progress) {
-    if (path.status != PathStatus::Reached || path.vertices.size() < 3) return;
+    if (path.status != PathStatus::Reached) return;
     std::vector<double> lengths;
-    Path shorter = shortened(field, path, Reach::Near, progress, lengths);
-    if (shorter.weightedLength >= path.weightedLength) return;
-    path = std::move(shorter);
+    Path shorter = path;
+    if (path.vertices.size() > 2) shorter = shortened(field, path, Reach::Near, progress, lengths);
+    if (shorter.weightedLength < path.weightedLength)
+        path = std::move(shorter);
+    else
+        lengths = measure(field, path);
     const double start = field.seeds[path.seed].start;
     for (std::size_t k = 0; k < lengths.size(); ++k)
         path.vertices[k].distance = start + (path.weightedLength - lengths[k]);

@@ -63,6 +63,20 @@ TEST_CASE("straighten removes a detour and the march's error from a path") {
         REQUIRE(std::abs(samplePsi(s.band, v.pIndex).psi) < 1.5e-06);  // measured 9.7e-07
 }
 
+TEST_CASE("straighten: distances are lengths along the path, also where it finds none shorter") {
+    const Solved s;
+    const Field field = marchJet(s.band, {}, {s.seed});
+    Path path = tracePath(field, s.target);
+    for (int round = 0; round < 3; ++round) {
+        straighten(field, path);
+        for (const PathVertex& v : path.vertices)
+            CHECK(v.distance + v.arcLength == Approx(path.weightedLength).epsilon(1e-12));
+        // By the tracer's length no curve is shorter now.
+        path.weightedLength *= 0.999;
+        for (PathVertex& v : path.vertices) v.distance = 1;
+    }
+}
+
 TEST_CASE("estimateAccuracy tells a good field from a poor one") {
     const Solved s;
     const Field jet = marchJet(s.band, {}, {s.seed});
