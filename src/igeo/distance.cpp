@@ -72,14 +72,16 @@ struct Distance::Fields {
 };
 
 Distance::Distance(Surface surface, BandWidth width, std::shared_ptr<const Band> band,
-                   bool wholeBand, Field field, std::vector<SurfacePoint> targets, double maxSnap)
+                   bool wholeBand, Field field, std::vector<SurfacePoint> targets, double maxSnap,
+                   std::shared_ptr<CostWarnings> costs)
     : surface_(std::move(surface)),
       width_(std::move(width)),
       band_(std::move(band)),
       wholeBand_(wholeBand),
       fields_(std::make_shared<Fields>(std::move(field))),
       targets_(std::move(targets)),
-      maxSnap_(maxSnap) {}
+      maxSnap_(maxSnap),
+      costs_(std::move(costs)) {}
 
 const Field& Distance::field() const {
     const std::lock_guard<std::mutex> lock(fields_->mutex);
@@ -196,6 +198,10 @@ std::vector<double> Distance::atTargets() const {
 VertexValues Distance::atVertices(Progress& progress) const {
     const TriangleMesh& mesh = requireMesh(surface_);
     return vertexValues(mesh, *forPoints(mesh.points.size()), progress);
+}
+std::vector<std::string> Distance::costWarnings() const {
+    const Field& field = *marched();
+    return costs_->of(*band_, *field.metric, field.atFootPoints);
 }
 Samples Distance::samples() const { return samplesOf(*forPoints(0)); }
 DistanceMatrix Distance::matrix(Progress& progress) const {

@@ -3,6 +3,7 @@
 
 #include <igeo/band/surface_point.h>
 #include <igeo/march/field.h>
+#include <igeo/metric/unresolved_costs.h>
 #include <igeo/path/trace.h>
 #include <igeo/results/distance_matrix.h>
 #include <igeo/results/field_grids.h>
@@ -61,7 +62,8 @@ struct PointValue {
 class Distance {
 public:
     Distance(Surface surface, BandWidth width, std::shared_ptr<const Band> band, bool wholeBand,
-             Field field, std::vector<SurfacePoint> targets, double maxSnap);
+             Field field, std::vector<SurfacePoint> targets, double maxSnap,
+             std::shared_ptr<CostWarnings> costs = std::make_shared<CostWarnings>());
 
     /// The distance at the point of the surface nearest to a position in the world: world units
     /// times weight, +infinity where unreached, negative where the seeds enclose it (isSigned).
@@ -84,6 +86,8 @@ public:
     /// The distance and the nearest source at the vertices of the mesh, numbered as in its file.
     /// @throws Error  InvalidArgument for a surface that is no mesh
     VertexValues atVertices(Progress& progress = Progress::none()) const;
+    /// igeo::costWarnings; of the whole surface found once per solver.
+    std::vector<std::string> costWarnings() const;
     /// The distances of jet at its foot points (samplesOf).
     /// @throws Error  InvalidArgument for another scheme
     Samples samples() const;
@@ -140,6 +144,7 @@ private:
     std::shared_ptr<Fields> fields_;
     std::vector<SurfacePoint> targets_;
     double maxSnap_;
+    std::shared_ptr<CostWarnings> costs_;
 };
 
 }  // namespace igeo

@@ -46,6 +46,7 @@ struct GeodesicSolver::Setup {
         std::size_t wholeMarches = 0;
         std::shared_ptr<const Band> ofCore;
         JetCorePtr wholeCore;
+        const std::shared_ptr<CostWarnings> wholeCosts = std::make_shared<CostWarnings>();
     };
     std::shared_ptr<Cache> cache = std::make_shared<Cache>();
 
@@ -382,7 +383,8 @@ Distance Query::solve(const Surface& surface) {
     finishInside(asked_.regions, asked_.points.size() + asked_.groups.size() + asked_.curves.size(),
                  asked_.isSigned, field_, progress_);
     return Distance(surface, setup_.width, band_, whole_, std::move(field_), std::move(targets_),
-                    setup_.maxSnap);
+                    setup_.maxSnap,
+                    whole_ ? setup_.cache->wholeCosts : std::make_shared<CostWarnings>());
 }
 
 }  // namespace
@@ -436,6 +438,12 @@ std::shared_ptr<const Band> GeodesicSolver::wholeBand(Progress& progress) const 
 }
 MetricPtr GeodesicSolver::wholeMetric(Progress& progress) const {
     return setup_->metricOf(*wholeBand(progress), true, progress);
+}
+std::vector<std::string> GeodesicSolver::costWarnings(Progress& progress) const {
+    const MetricPtr metric = wholeMetric(progress);
+    if (!metric) return {};
+    return setup_->cache->wholeCosts->of(*wholeBand(progress), *metric,
+                                         options().scheme == Scheme::Jet);
 }
 Vec3d GeodesicSolver::indexOf(const Vec3d& position) const { return setup_->indexOf(position); }
 void GeodesicSolver::requireNear(const Vec3d& position, const std::string& what) const {

@@ -188,6 +188,8 @@ public:
     std::shared_ptr<const Band> wholeBand(Progress& progress = Progress::none()) const;
     /// The metric on it; null where it is Euclidean.
     MetricPtr wholeMetric(Progress& progress = Progress::none()) const;
+    /// igeo::costWarnings on it, found once.
+    std::vector<std::string> costWarnings(Progress& progress = Progress::none()) const;
     Vec3d indexOf(const Vec3d& position) const;
     /// @param what  names the point in the message
     /// @throws Error  InvalidArgument for a point farther from the surface than maxSnap, with the

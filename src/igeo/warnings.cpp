@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 #include <igeo/base/parallel.h>
 #include <igeo/metric/curvature.h>
-#include <igeo/metric/unresolved_costs.h>
 #include <igeo/results/lost_points.h>
 #include <igeo/results/overrun_seeds.h>
 
@@ -134,15 +133,13 @@ Sentences surfaceWarnings(const GeodesicSolver& solver, Progress& progress) {
     if (const TriangleMesh* mesh = solver.surface().triangles();
         mesh && (costs.curvature || costs.bending))
         append(found, wideFacetWarning(*mesh, band->transform.dx, costs.curvatureScale));
-    if (const MetricPtr metric = solver.wholeMetric(progress))
-        append(found, costWarnings(*band, *metric, solver.options().scheme == Scheme::Jet));
+    append(found, solver.costWarnings(progress));
     return found;
 }
 
 Sentences marchWarnings(const Distance& distance, const Sentences& sources) {
-    const std::shared_ptr<const Field> field = distance.marched();
-    Sentences found = overrunWarnings(*field, sources);
-    append(found, costWarnings(distance.band(), *field->metric, field->atFootPoints));
+    Sentences found = overrunWarnings(*distance.marched(), sources);
+    append(found, distance.costWarnings());
     return found;
 }
 

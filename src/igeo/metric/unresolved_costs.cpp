@@ -1,5 +1,6 @@
 #include <igeo/metric/unresolved_costs.h>
 
+#include <igeo/band/detail/turned.h>
 #include <igeo/band/tangent_frame.h>
 #include <igeo/base/detail/text.h>
 #include <igeo/base/parallel.h>
@@ -47,8 +48,7 @@ bool turns(const Band& band, const Metric& metric, NodeIndex i) {
         const double bend = std::acos(std::min(cosine, 1.0)) / step;
         double turn = 0;
         if (there.ratio > kLeastRatio) {
-            // The least rotation that takes one normal to the other.
-            const Vec3d along = there.cheap - (dot(there.cheap, n) / (1 + cosine)) * (m + n);
+            const Vec3d along = turned(there.cheap, m, n);
             turn = std::acos(std::min(std::abs(dot(here.cheap, along)), 1.0)) / step;
         }
         const double ratio = std::min(here.ratio, there.ratio);
@@ -124,6 +124,17 @@ std::vector<std::string> costWarnings(const Band& band, const Metric& metric, bo
                            "voxels for its ratio of costs: distances may be off by more than 5 %; "
                            "use smaller voxels, or bring the costs closer together");
     return warnings;
+}
+
+std::vector<std::string> CostWarnings::of(const Band& band, const Metric& metric, bool byJet) {
+    {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        if (found_) return *found_;
+    }
+    const std::vector<std::string> found = costWarnings(band, metric, byJet);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    found_ = found;
+    return found;
 }
 
 }  // namespace igeo

@@ -3,6 +3,8 @@
 
 #include <igeo/metric/metric.h>
 
+#include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,5 +34,15 @@ double shareOfSteepWeights(const Band& band, const Metric& metric);
 /// voxels (both shares above).
 /// @param byJet  whether the scheme is jet
 std::vector<std::string> costWarnings(const Band& band, const Metric& metric, bool byJet);
+
+/// These sentences of one band and metric, found when they are first asked for.
+class CostWarnings {
+public:
+    std::vector<std::string> of(const Band& band, const Metric& metric, bool byJet);
+
+private:
+    std::mutex mutex_;
+    std::optional<std::vector<std::string>> found_;
+};
 
 }  // namespace igeo

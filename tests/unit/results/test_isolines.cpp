@@ -9,6 +9,7 @@
 #include <support/expect_error.h>
 #include <support/meshed.h>
 #include <support/openvdb.h>
+#include <support/signed_cap.h>
 
 #include <algorithm>
 #include <cmath>
@@ -285,12 +286,7 @@ TEST_CASE("isolines: the same bytes for any number of threads") {
 TEST_CASE("isolines: levels have the sign of a signed distance") {
     const double dx = 0.05, half = std::acos(0.5);
     const Surface surface(*makeLevelSet(sphere({0, 0, 0}, 1), dx, 3));
-    auto cap = std::make_shared<ObstacleSet>(surface.transform());
-    cap->addSphere({0, 0, 1}, 2 * std::sin(half / 2));
-    Seeds seeds;
-    seeds.regions.push_back(cap);
-    seeds.isSigned = true;
-    const Distance d = GeodesicSolver(surface).distance(seeds);
+    const Distance d = GeodesicSolver(surface).distance(signedCap(surface, half));
     const SurfaceMesh mesh = d.indexMesh();
     const auto levelsOf = [&](const std::vector<double>& levels) {
         std::vector<double> found;

@@ -8,6 +8,7 @@
 #include <support/catch.h>
 #include <support/mesh_shapes.h>
 #include <support/pinned.h>
+#include <support/signed_cap.h>
 #include <support/temp_dir.h>
 
 #include <algorithm>
@@ -86,13 +87,8 @@ TEST_CASE("vertexValues: vertices inside an obstacle are not reached, all others
 TEST_CASE("vertexValues: signed distances are negative at vertices and on the mesh", "[mesh]") {
     const TriangleMesh ball = sphereMesh({}, 1, 4);
     const igeo::Surface surface(ball, {.size = 0.05});
-    auto cap = std::make_shared<ObstacleSet>(surface.transform());
     const double half = std::acos(0.5);
-    cap->addSphere({0, 0, 1}, 2 * std::sin(half / 2));
-    Seeds seeds;
-    seeds.regions.push_back(cap);
-    seeds.isSigned = true;
-    const Distance d = GeodesicSolver(surface).distance(seeds);
+    const Distance d = GeodesicSolver(surface).distance(signedCap(surface, half));
     const VertexValues values = d.atVertices();
     const auto exact = [&](const Vec3d& p) { return std::acos(std::clamp(p.z, -1.0, 1.0)) - half; };
     double off = 0;

@@ -60,7 +60,7 @@ public:
     std::vector<Vec3d> crossings(std::size_t k, const Vec3d& to) const;
     /// Calls visit(a, b, triangle) for each straight part of that line, the last first.
     template <typename Visit>
-    void forSegments(std::size_t k, const Vec3d& to, const Visit& visit) const {
+    void forSegments(std::size_t k, const Vec3d& to, Visit& visit) const {
         Vec3d last = to;
         for (const Vec3d& crossing : crossings(k, to)) {
             visit(last, crossing, parts_[k].triangle);

@@ -78,7 +78,7 @@ public:
     /// Calls visit(a, b, triangle) for each straight part of the walk that `ends` has found, from
     /// its end back to its start.
     template <typename Visit>
-    void forSegments(const MeshPoint& from, const MeshPoint& to, const Visit& visit) const {
+    void forSegments(const MeshPoint& from, const MeshPoint& to, Visit& visit) const {
         Vec3d last = to.at;
         std::uint32_t triangle = to.triangle;
         for (const Stop& crossing : heap_) {

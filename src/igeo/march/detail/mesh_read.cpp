@@ -53,6 +53,17 @@ std::vector<Near> coreNear(const Field& field, const Vec3d& p, const Vec3d& norm
     return found;
 }
 
+/// Whether an obstacle blocks any of the straight parts of a line over triangles.
+struct BlockedSegments {
+    const Metric& metric;
+    const SurfaceTriangles& triangles;
+    bool any = false;
+
+    void operator()(const Vec3d& a, const Vec3d& b, std::uint32_t triangle) {
+        any = any || metric.blocked(a, b, triangles.normal(triangle));
+    }
+};
+
 /// The weight at a point; where its cell has no node, that of the nearest.
 double weightAt(const Field& field, const Vec3d& p, const BandCell& cell,
                 const std::vector<Near>& nodes) {
@@ -134,11 +145,9 @@ bool JetsByWalks::isBlocked(const MeshPoint& from, const WalkEnds& way) const {
     if (!(way.length < kInfinity) || !metric_.obstacles ||
         !metric_.obstacles->mayBeNear(at_.at, way.length))
         return false;
-    bool blocked = false;
-    walk_.forSegments(from, at_, [&](const Vec3d& a, const Vec3d& b, std::uint32_t t) {
-        blocked = blocked || metric_.blocked(a, b, triangles_.normal(t));
-    });
-    return blocked;
+    BlockedSegments segments{metric_, triangles_};
+    walk_.forSegments(from, at_, segments);
+    return segments.any;
 }
 
 double JetsByWalks::add(const WalkEnds& way, NodeIndex node, const NodeJet& jet, double weight) {
@@ -196,11 +205,9 @@ JetsByWalks::First JetsByWalks::first(std::uint32_t source) const {
 bool isBlocked(const Metric& metric, const SurfaceTriangles& triangles,
                const MeshFan<SurfaceTriangles>& fan, std::size_t k, const Vec3d& to) {
     if (!metric.obstacles || !metric.obstacles->mayBeNear(to, MeshWays::kReach)) return false;
-    bool blocked = false;
-    fan.forSegments(k, to, [&](const Vec3d& a, const Vec3d& b, std::uint32_t t) {
-        blocked = blocked || metric.blocked(a, b, triangles.normal(t));
-    });
-    return blocked;
+    BlockedSegments segments{metric, triangles};
+    fan.forSegments(k, to, segments);
+    return segments.any;
 }
 
 bool hasWays(const Band& band, const BandCell& cell) {

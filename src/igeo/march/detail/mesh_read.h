@@ -6,21 +6,13 @@
 #pragma once
 
 #include <igeo/band/detail/mesh_fan.h>
+#include <igeo/band/detail/turned.h>
 #include <igeo/march/detail/jet_neighbors.h>
 #include <igeo/march/field.h>
 
 #include <vector>
 
 namespace igeo {
-
-/// A tangent vector turned along with its plane: the least rotation that takes one normal to the
-/// other. Over a crease both planes are unfolded.
-inline Vec3d turned(const Vec3d& v, const Vec3d& fromNormal, const Vec3d& toNormal) {
-    constexpr double kOpposite = -0.9;
-    const double cosine = dot(fromNormal, toNormal);
-    if (cosine < kOpposite) return v;
-    return v - (dot(v, toNormal) / (1 + cosine)) * (fromNormal + toNormal);
-}
 
 /// Whether jets at the corners of a cell may belong to several sheets of a mesh.
 bool hasThinWalls(const Band& band, const BandCell& cell);
