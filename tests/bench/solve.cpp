@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "commands.h"
@@ -84,17 +85,12 @@ std::vector<SurfacePoint> targetsOn(const Band& band) {
     return targets;
 }
 
-/// A row of a matrix, as `distances` reads it.
-PointsCsv valuesAt(const std::vector<SurfacePoint>& targets, const Field& field) {
-    const Band& band = *field.band;
-    std::vector<Vec3d> points;
-    std::vector<Vec3f> normals;
-    for (const SurfacePoint& p : targets)
-        points.push_back(p.pIndex), normals.push_back(band.normal[p.node]);
-    const std::vector<Arrival> first = arrivalsAt(field, points, normals);
+PointsCsv valuesAt(const std::vector<SurfacePoint>& targets, const std::vector<Arrival>& first,
+                   const Band& band) {
     PointsCsv csv;
-    for (std::size_t k = 0; k < points.size(); ++k)
-        csv.add(band.transform.worldFromIndex(points[k]), first[k].distance * band.transform.dx);
+    for (std::size_t k = 0; k < targets.size(); ++k)
+        csv.add(band.transform.worldFromIndex(targets[k].pIndex),
+                first[k].distance * band.transform.dx);
     return csv;
 }
 
@@ -120,13 +116,15 @@ void benchSolve(const Arguments& args) {
     const Band band = bandFromLevelSet(levelSet, h);
     stages.finished("band");
     std::vector<SurfacePoint> targets;
-    JetCorePtr core;  // null: the march makes its links as it goes
+    std::optional<SharedPoints> read;  // as a row of a matrix
+    JetCorePtr core;                   // null: the march makes its links as it goes
     if (atPoints) {
         targets = targetsOn(band);
+        read.emplace(band, targets);
         core = jetCore(band, {});
         stages.finished("setup");
     }
-    PointsCsv values;
+    std::vector<Arrival> arrivals;
     const auto solve = [&](const Vec3d& pIndex, const std::string& stage) {
         const SurfacePoint seed = nearestSurfacePoint(band, pIndex);
         if (method == "sweep") return sweepUntilDone(band, seed, stages, stage, iterations);
@@ -139,13 +137,14 @@ void benchSolve(const Arguments& args) {
         Field field = order > 0 ? godunov(band, seed, order)
                       : core    ? marchJet(core, {seed}, jet)
                                 : marchJet(band, {}, {seed}, jet);
-        if (atPoints) values = valuesAt(targets, field);
+        if (read) arrivals = read->read(field);
         stages.finished(stage);
         return field;
     };
     const Field field = solve(band.transform.indexFromWorld(args.point("seed")), "first");
     const double peak = peakMemory();
-    if (!atPoints) values = surfacePoints(field, args.number("samples", 0));
+    const PointsCsv values =
+        read ? valuesAt(targets, arrivals, band) : surfacePoints(field, args.number("samples", 0));
     if (args.has("points")) writePoints(args.text("points"), values);
     stages.restart();
     if (method == "jet") {  // as GeodesicSolver does for its second seed

@@ -46,22 +46,31 @@ SurfaceCell cellOnSheet(const Field& field, const Vec3d& p, const Vec3d& sheetNo
     return joined.empty() ? all : joined;
 }
 
+bool isOnCrease(const Band& band, const SurfaceCell& cell) {
+    constexpr float kOneFace = 0.8f;  // 37 degrees
+    const Vec3f* first = nullptr;
+    for (const NodeIndex i : cell.node) {
+        if (i == kNoNode) continue;
+        if (!first) first = &band.normal[i];
+        if (dot(*first, band.normal[i]) <= kOneFace) return true;
+    }
+    return false;
+}
+
 /// Reads a field at a point of S.
 class Reader {
 public:
-    /// @param known  null: they are found
-    Reader(const Field& field, const KnownJets* known, const Vec3d& pIndex,
-           const Vec3d& sheetNormal)
+    /// @param corner  the jets at the corners of the cell; unreached: +infinity
+    Reader(const Field& field, const std::array<NodeJet, 8>& corner, const Vec3d& pIndex,
+           const ReadPlace& place)
         : field_(field),
           band_(*field.band),
           metric_(*field.metric),
           p_(pIndex),
-          cell_(cellOnSheet(field, pIndex, sheetNormal)),
-          corner_(known ? known->at(cell_.node) : field.at(cell_.node)),
-          hasWalks_(field.atFootPoints && band_.triangles && !metric_.anisotropic()),
-          byWays_(hasWalks_ && hasWays(band_, cell_) && isOnMesh()),
-          byWalks_(byWays_ ||
-                   (hasWalks_ && (hasThinWalls(band_, cell_) || onCrease()) && isOnMesh())) {}
+          place_(place),
+          cell_(place.cell),
+          corner_(corner),
+          onMesh_(place.onMesh) {}
 
     Arrival first() const { return field_.atFootPoints ? byJets() : byVoxels(); }
 
@@ -97,7 +106,6 @@ private:
     /// across a gap or through a wall (seedNeighborhoodJet). A seed on an edge lies in the planes
     /// of both faces.
     bool alongSurface(const SurfacePoint& seed, const Vec3d& chord) const;
-    /// The point on its triangle.
     const SurfaceTriangles::Place& onMesh() const {
         if (!onMesh_) onMesh_ = placeOf(*band_.triangles, p_, cell_.normal);
         return *onMesh_;
@@ -129,9 +137,6 @@ private:
     /// The jets of one source, blended.
     /// @param isClear  set to false where several fronts seem to meet
     double blended(std::uint32_t source, bool& isClear) const;
-    /// Whether faces of a mesh meet in the cell: a corner lies in no chart, nor does a rim that
-    /// bends.
-    bool onCrease() const;
     /// The first arrival by walks over triangles.
     Arrival byWalks() const;
     /// The nodes of the core at the cell and beside it; none near obstacles.
@@ -143,14 +148,10 @@ private:
     const Band& band_;
     const Metric& metric_;
     const Vec3d p_;
-    const SurfaceCell cell_;
-    const std::array<NodeJet, 8> corner_;  ///< of the cell; unreached: +infinity
-    const bool hasWalks_;                  ///< on a mesh, for jet without tensors
-    /// Found by onMesh(): few points need it.
+    const ReadPlace& place_;
+    const SurfaceCell& cell_;
+    const std::array<NodeJet, 8>& corner_;
     mutable std::optional<SurfaceTriangles::Place> onMesh_;
-    const bool byWays_;  ///< sheets of a mesh cross or fold within a voxel here
-    /// Walls of a mesh are as thin as the cell, or faces of it meet in the cell.
-    const bool byWalks_;
 };
 
 template <typename IsOf>
@@ -170,7 +171,7 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
         bound = std::min(bound, s.rim ? 0 : s.start + leastCost * r);
         if (r < nearest) nearest = r, least.ofNearest = false;
         if (field_.atFootPoints && costsJump(band_, metric_, s, p_, here)) return;
-        const bool walks = hasWalks_ && isOnMesh(),
+        const bool walks = place_.hasWalks && isOnMesh(),
                    flat = !walks && field_.atFootPoints && alongSurface(s, p_ - at);
         const double mean = meanToSeed(field_, s, p_, here);
         if (walks && !(s.start + mean * r < least.distance)) return;
@@ -337,17 +338,6 @@ double Reader::blended(std::uint32_t source, bool& isClear) const {
     return chart.here * jet.u;
 }
 
-bool Reader::onCrease() const {
-    constexpr float kOneFace = 0.8f;  // 37 degrees
-    const Vec3f* first = nullptr;
-    for (const NodeIndex i : cell_.node) {
-        if (i == kNoNode) continue;
-        if (!first) first = &band_.normal[i];
-        if (dot(*first, band_.normal[i]) <= kOneFace) return true;
-    }
-    return false;
-}
-
 std::vector<NodeIndex> Reader::coreAround() const {
     std::vector<NodeIndex> nodes;
     for (const NodeIndex i : cell_.node) {
@@ -396,7 +386,7 @@ Arrival Reader::ofSource(std::uint32_t source, double value) const {
 
 Arrival Reader::byWalks() const {
     JetsByWalks around = coreByWalks(field_, onMesh(), cell_);
-    const std::vector<Seen> seen = byWays_ ? seenFrom(field_, onMesh()) : std::vector<Seen>{};
+    const std::vector<Seen> seen = place_.byWays ? seenFrom(field_, onMesh()) : std::vector<Seen>{};
     addSeen(field_, seen, around);
     Arrival first;
     for (const std::uint32_t own : around.sources())
@@ -413,7 +403,7 @@ Arrival Reader::byWalks() const {
 }
 
 Arrival Reader::byJets() const {
-    if (byWalks_) return byWalks();
+    if (place_.byWalks) return byWalks();
     std::array<std::uint32_t, 8> sources;
     std::size_t count = 0;
     for (const NodeJet& jet : corner_) {
@@ -426,7 +416,7 @@ Arrival Reader::byJets() const {
     for (std::size_t k = 0; k < count; ++k)
         takeFirst(first, ofSource(sources[k], blended(sources[k], isClear)));
     // Beside creases of a mesh fronts may seem to differ that are one.
-    if (!isClear && hasWalks_ && band_.faceted && field_.evenCosts && isOnMesh()) {
+    if (!isClear && place_.hasWalks && band_.faceted && field_.evenCosts && isOnMesh()) {
         const Arrival walked = byWalks();
         if (walked.distance < kInfinity) return walked;
     }
@@ -446,19 +436,32 @@ Arrival Reader::orBetweenNodes(const Arrival& first) const {
 
 }  // namespace
 
+ReadPlace::ReadPlace(const Field& field, const Vec3d& p, const Vec3d& sheetNormal)
+    : cell(cellOnSheet(field, p, sheetNormal)),
+      hasWalks(field.atFootPoints && field.band->triangles && !field.metric->anisotropic()) {
+    if (!hasWalks) return;
+    const Band& band = *field.band;
+    const bool ways = hasWays(band, cell);
+    if (!ways && !hasThinWalls(band, cell) && !isOnCrease(band, cell)) return;
+    onMesh = placeOf(*band.triangles, p, cell.normal);
+    byWalks = onMesh->triangle != SurfaceTriangles::kNone;
+    byWays = ways && byWalks;
+}
+
 Arrival arrivalAt(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNormal) {
     if (const auto first = arrivalFromCore(field, pIndex, sheetNormal)) return *first;
-    return Reader(field, nullptr, pIndex, sheetNormal).first();
+    const ReadPlace place(field, pIndex, sheetNormal);
+    return Reader(field, field.at(place.cell.node), pIndex, place).first();
 }
 
 Arrival arrivalAt(const Field& field, const KnownJets& known, const Vec3d& pIndex,
-                  const Vec3d& sheetNormal) {
-    return Reader(field, &known, pIndex, sheetNormal).first();
+                  const ReadPlace& place) {
+    return Reader(field, known.at(place.cell.node), pIndex, place).first();
 }
 
-KnownJets::KnownJets(const Field& field, std::span<const Vec3d> points) {
-    for (const Vec3d& p : points)
-        for (const NodeIndex i : cellAt(*field.band, p).node)
+KnownJets::KnownJets(const Field& field, std::span<const ReadPlace* const> places) {
+    for (const ReadPlace* place : places)
+        for (const NodeIndex i : place->cell.node)
             if (i != kNoNode) nodes_.push_back(i);
     std::sort(nodes_.begin(), nodes_.end());
     nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());

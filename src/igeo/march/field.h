@@ -204,9 +204,39 @@ public:
               double tolerance = 0, std::uint8_t* isSmooth = nullptr) const;
 
 private:
+    friend class SharedPoints;
+    /// @return the points that want more care: they are not read
+    std::vector<std::size_t> readFromCore(std::span<const Vec3d> points,
+                                          std::span<const Vec3f> sheetNormals, Arrival* to,
+                                          double tolerance = 0,
+                                          std::uint8_t* isSmooth = nullptr) const;
+
     const Field& field_;
     bool fromCore_;
     std::shared_ptr<const std::vector<LiftedJet>> lifted_;  ///< of the core; empty: few points
+};
+
+struct ReadPlace;
+
+/// Points of S at which several fields on one band in one metric are read: the surface around each
+/// is looked at once. Some 250 bytes per point beside creases, thin walls and cut loci.
+class SharedPoints {
+public:
+    SharedPoints(const Band& band, const std::vector<SurfacePoint>& points);
+    ~SharedPoints();
+    SharedPoints(const SharedPoints&) = delete;
+    SharedPoints& operator=(const SharedPoints&) = delete;
+
+    /// As ArrivalReader, to the bit. Several threads may read at a time.
+    std::vector<Arrival> read(const Field& field) const;
+
+private:
+    struct Places;
+    const ReadPlace& placeOf(const Field& field, std::size_t k) const;
+
+    std::vector<Vec3d> point_;
+    std::vector<Vec3f> normal_;
+    std::unique_ptr<Places> places_;
 };
 
 /// The same in parallel.

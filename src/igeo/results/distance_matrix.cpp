@@ -54,25 +54,27 @@ std::vector<MatrixPlace> placesOf(const std::vector<Group>& groups, const Simila
     return places;
 }
 
-/// Where a row is read: the points of all groups that are on the surface.
+std::vector<SurfacePoint> onSurface(const std::vector<Group>& groups) {
+    std::vector<SurfacePoint> points;
+    for (const Group& group : groups)
+        std::copy_if(group.begin(), group.end(), std::back_inserter(points),
+                     [](const SurfacePoint& p) { return !p.offSurface; });
+    return points;
+}
+
+/// Where rows are read: the points of all groups that are on the surface.
 class RowReader {
 public:
-    RowReader(const Band& band, const std::vector<Group>& groups) {
-        for (const Group& group : groups) {
-            first_.push_back(point_.size());
-            for (const SurfacePoint& p : group) {
-                if (p.offSurface) continue;
-                point_.push_back(p.pIndex), normal_.push_back(band.normal[p.node]);
-            }
-        }
-        first_.push_back(point_.size());
+    RowReader(const Band& band, const std::vector<Group>& groups)
+        : points_(band, onSurface(groups)) {
+        for (const Group& group : groups)
+            first_.push_back(first_.back() + onSurface({group}).size());
     }
 
     /// The distance to the point of each group that the front reaches first; NaN where the group is
     /// off the surface.
     void read(const Field& field, std::span<double> to) const {
-        std::vector<Arrival> arrival(point_.size());
-        ArrivalReader(field, point_.size()).read(point_, normal_, arrival.data());
+        const std::vector<Arrival> arrival = points_.read(field);
         for (std::size_t t = 0; t < to.size(); ++t) {
             to[t] =
                 first_[t] == first_[t + 1] ? std::numeric_limits<double>::quiet_NaN() : kInfinity;
@@ -82,9 +84,8 @@ public:
     }
 
 private:
-    std::vector<Vec3d> point_;
-    std::vector<Vec3f> normal_;
-    std::vector<std::size_t> first_;  ///< per group, its first point; one entry more
+    SharedPoints points_;
+    std::vector<std::size_t> first_{0};  ///< per group, its first point; one entry more
 };
 
 }  // namespace
@@ -104,12 +105,8 @@ DistanceMatrix distanceRows(const Band& band, const MetricPtr& metric,
     // Stopping early at many targets takes longer than marching past them.
     constexpr std::size_t kNodesPerTarget = 16;
     JetOptions options;
-    if (ends.size() * kNodesPerTarget < band.coreSize()) {
-        std::vector<SurfacePoint> onSurface;
-        std::copy_if(ends.begin(), ends.end(), std::back_inserter(onSurface),
-                     [](const SurfacePoint& p) { return !p.offSurface; });
-        options.stopAt = coreAround(band, onSurface);
-    }
+    if (ends.size() * kNodesPerTarget < band.coreSize())
+        options.stopAt = coreAround(band, onSurface(to));
     options.extend = false;
     const RowReader reader(band, to);
     const JetCorePtr core = jetCore(band, metric);

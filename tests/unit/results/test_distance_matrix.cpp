@@ -3,9 +3,13 @@
 #include <igeo/march/jet.h>
 #include <igeo/results/detail/column_name.h>
 #include <igeo/results/distance_matrix.h>
+#include <igeo/surface/mesh_band.h>
 #include <support/analytic_band.h>
 #include <support/catch.h>
 #include <support/expect_error.h>
+#include <support/march_cases.h>
+#include <support/mesh_shapes.h>
+#include <support/random_surface.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -119,6 +123,35 @@ TEST_CASE("distanceRows: parts one after another are the whole, bit by bit and i
         CHECK(joined.asymmetry == whole.asymmetry);
         CHECK((whole.asymmetry > 0) == between);
         if (between) CHECK(whole.at(0, 1) == Approx(0.1 * voxels.at(0, 1)).epsilon(1e-15));
+    }
+}
+
+TEST_CASE("distances: many rows beside creases and thin walls are those of single marches") {
+    const ThreadLimit two(2);
+    const Band sharp = bandOf(randomLevelSet(3, 0, openvdb::math::Transform()), kHalfWidth),
+               thin = bandFromMesh(plateWithTunnel(6.3), 0.9, kHalfWidth),
+               slab = bandFromMesh(boxMesh({30, 20, 0.8}), 1, kHalfWidth);
+    for (const Band* band : {&sharp, &thin, &slab}) {
+        std::vector<SurfacePoint> seeds, targets;
+        const auto count = NodeIndex(band->size());
+        for (NodeIndex k = 0; k < 8; ++k)
+            seeds.push_back(nearestSurfacePoint(*band, band->footPoint(k * (count / 8))));
+        for (NodeIndex i = 0; i < count; i += 29)
+            targets.push_back(nearestSurfacePoint(*band, band->footPoint(i)));
+        const DistanceMatrix m = distances(*band, {}, seeds, targets);
+        std::size_t differ = 0, finite = 0;
+        for (std::size_t s = 0; s < seeds.size(); ++s) {
+            // A march of its own finds rims and links as it goes.
+            const Field field = marchJet(*band, {}, {seeds[s]});
+            for (std::size_t t = 0; t < targets.size(); ++t) {
+                const Vec3d normal(band->normal[targets[t].node]);
+                differ += m.at(s, t) !=
+                          band->transform.dx * sampleDistance(field, targets[t].pIndex, normal);
+                finite += m.at(s, t) < kInfinity;
+            }
+        }
+        CHECK(differ == 0);
+        CHECK(finite > m.distance.size() / 2);
     }
 }
 

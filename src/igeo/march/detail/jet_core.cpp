@@ -62,6 +62,7 @@ CostRange fillLeaf(JetCore& core, LeafIndex l) {
 CostRange fillNodes(JetCore& core) {
     const Band& band = core.band;
     resizeByAll(core.nodes, band.coreSize());
+    core.rims.resize(core.nodes.size());
     if (core.metric.anisotropic()) core.stretch.resize(core.nodes.size());
     std::vector<CostRange> ofLeaf(band.leaves.size());
     parallelFor(band.leaves.size(), 64, [&](std::size_t begin, std::size_t end) {

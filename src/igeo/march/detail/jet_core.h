@@ -9,6 +9,7 @@
 #include <igeo/band/tangent_frame.h>
 #include <igeo/march/detail/jet_link.h>
 #include <igeo/march/detail/jet_neighbors.h>
+#include <igeo/march/detail/jet_rims.h>
 #include <igeo/metric/metric.h>
 
 #include <algorithm>
@@ -48,6 +49,7 @@ struct JetCore {
     std::vector<JetNode> nodes;
     std::vector<Stretch> stretch;  ///< per core node; empty: isotropic
     JetLinks links;                ///< of all nodes; empty: each march makes them where it is
+    JetRims rims;
     bool costsVary = false;        ///< from node to node
     bool stenciled = false;        ///< neighbors are those of JetStencil
     float largestRatio = 1;        ///< of the costs along the two axes in a tangent plane

@@ -1,6 +1,5 @@
 #include <igeo/march/detail/jet_march.h>
 
-#include <igeo/band/detail/open_sector.h>
 #include <igeo/base/detail/registers.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
@@ -261,25 +260,8 @@ bool JetMarch::isAtRim(NodeIndex i) const {
     // saves.
     if (!core_.stretch.empty()) return false;
     // Beside the corner of a rim a front arrives before the node on the rim has its value.
-    return core_.costsVary || links_.row(i).size() < kAllAround || isBesideOpen(i) ||
-           isCreasedBeside(i);
-}
-
-bool JetMarch::isBesideOpen(NodeIndex i) const {
-    bool open = isOpen(i);
-    if (!open)
-        forLinks(core_, i,
-                 [&](NodeIndex j, const Ijk&, const Vec3f&, float) { open = open || isOpen(j); });
-    return open;
-}
-
-bool JetMarch::isOpen(NodeIndex i) const {
-    OpenSector sector;
-    const TangentFrame frame(core_.nodes[i].normal);
-    forLinks(core_, i, [&](NodeIndex, const Ijk&, const Vec3f& chord, float) {
-        sector.add(frame.flat(chord));
-    });
-    return sector.find();
+    return core_.costsVary || links_.row(i).size() < kAllAround ||
+           core_.rims.isBesideOpen(core_, i) || core_.rims.isCreasedBeside(core_, i);
 }
 
 bool JetMarch::isInShadow(const JetRows::Row& row, const JetGroup::Solution& s) const {
@@ -288,7 +270,7 @@ bool JetMarch::isInShadow(const JetRows::Row& row, const JetGroup::Solution& s) 
         const JetLink& link = row.knownLink(k);
         const Vec2f g = link.turned(jets_.state[link.node()].g);
         if (dot(g, s.g) < jet::kSameFront && dot(g - s.g, link.a()) < 0 &&
-            jets_.labelOf(link.node()) == s.source && isBesideOpen(link.node()))
+            jets_.labelOf(link.node()) == s.source && core_.rims.isBesideOpen(core_, link.node()))
             return true;
     }
     return false;
@@ -297,17 +279,6 @@ bool JetMarch::isInShadow(const JetRows::Row& row, const JetGroup::Solution& s) 
 bool JetMarch::isFolded(NodeIndex i) const {
     constexpr auto kBeside = Band::kStretched | Band::kBesideSevered;
     return core_.nodes[i].facing & Band::kHasWays && core_.nodes[i].facing & kBeside;
-}
-
-bool JetMarch::isCreasedBeside(NodeIndex i) const {
-    const auto row = links_.row(i);
-    return std::any_of(row.begin(), row.end(), [&](const JetLink& l) {
-        bool crease = false;
-        forLinks(core_, l.node(), [&](NodeIndex, const Ijk&, const Vec3f&, float cosine) {
-            crease |= cosine < JetLink::kSmooth;
-        });
-        return crease;
-    });
 }
 
 void JetMarch::enqueue(const Batch& batch, JetsOnLinks& accepted, Chunk& chunk) {

@@ -163,13 +163,8 @@ private:
     /// Whether a front that spreads around the corner of a rim has reached a neighbor: what comes
     /// straight past the corner, and has neighbors on one side only, does not reach the node.
     bool isInShadow(const JetRows::Row& row, const JetGroup::Solution& s) const;
-    /// Whether S goes on from a node in some directions only.
-    bool isOpen(NodeIndex i) const;
-    bool isBesideOpen(NodeIndex i) const;
     /// Whether S folds or crosses within a voxel, so that no chart holds the links of a node.
     bool isFolded(NodeIndex i) const;
-    /// Whether a crease is within two links.
-    bool isCreasedBeside(NodeIndex i) const;
     Jump jumpTo(NodeIndex i) const;
     /// Whether an obstacle blocks a jump from j, or the walk that it stands for.
     /// @param walk  its length
@@ -184,6 +179,9 @@ private:
             return std::pair(least, node) < std::pair(o.least, o.node);
         }
     };
+    /// Calls visit(j) for the accepted nodes that are linked to node i.
+    template <typename Visit>
+    void forAccepted(NodeIndex i, const Visit& visit) const;
     /// The nodes up to two links away from which a front may come to a node with a value of at most
     /// `most`, over walks that are so much longer, in voxels, at most.
     std::vector<From> fromTwoLinks(NodeIndex i, const JetRows::Row& row, double most,

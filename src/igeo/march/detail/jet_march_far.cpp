@@ -25,6 +25,7 @@ JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, 
     for (std::size_t k = 0; k < row.knownCount; ++k)
         least = std::min(least, valueIn(batch, row.knownLink(k).node()) / here.weight);
     const auto lower = [&](NodeIndex k) {
+        if (!(valueIn(batch, k) / here.weight < s.u)) return;
         const JetNode& other = core_.nodes[k];
         const float cosine = dot(here.normal, other.normal);
         if (cosine < kAlike || other.obstacleState != Metric::Clear) return;
@@ -36,12 +37,23 @@ JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, 
             return;
         s.u = u, s.g = (1 / len) * a, s.source = jets_.labelOf(k);
     };
-    for (std::size_t k = 0; k < row.knownCount; ++k)
-        forLinks(
-            core_, row.knownLink(k).node(),
-            [&](NodeIndex j, const Ijk&, const Vec3f&, float) { lower(j); },
-            [&](NodeIndex j) { return jets_.accepted(j); });
+    for (std::size_t k = 0; k < row.knownCount; ++k) forAccepted(row.knownLink(k).node(), lower);
     return s;
+}
+
+template <typename Visit>
+void JetMarch::forAccepted(NodeIndex i, const Visit& visit) const {
+    const auto isAccepted = [&](NodeIndex j) { return jets_.accepted(j); };
+    const auto ifAccepted = [&](NodeIndex j) {
+        if (isAccepted(j)) visit(j);
+    };
+    // A single march drops the rows of what it has left behind.
+    if (!core_.links.empty())
+        for (const JetLink& link : core_.links.row(i)) ifAccepted(link.node());
+    else
+        forLinks(
+            core_, i, [&](NodeIndex j, const Ijk&, const Vec3f&, float) { ifAccepted(j); },
+            isAccepted);
 }
 
 std::vector<JetMarch::From> JetMarch::fromTwoLinks(NodeIndex i, const JetRows::Row& row,
@@ -50,17 +62,15 @@ std::vector<JetMarch::From> JetMarch::fromTwoLinks(NodeIndex i, const JetRows::R
     const Vec3d foot = core_.footOf(core_.nodes[i]);
     std::vector<From> from;
     const auto add = [&](NodeIndex k) {
-        const double u = jets_.valueOf(k), chord = length(core_.footOf(core_.nodes[k]) - foot);
-        if (k == i || core_.nodes[k].obstacleState != Metric::Clear || u + weight * chord > most)
-            return;
+        const double u = jets_.valueOf(k);
+        if (u > most || k == i || core_.nodes[k].obstacleState != Metric::Clear) return;
+        const double chord = length(core_.footOf(core_.nodes[k]) - foot);
+        if (u + weight * chord > most) return;
         from.push_back({u + weight * chord, (most - u) / weight + around, k});
     };
     for (std::size_t k = 0; k < row.knownCount; ++k) {
         add(row.knownLink(k).node());
-        forLinks(
-            core_, row.knownLink(k).node(),
-            [&](NodeIndex j, const Ijk&, const Vec3f&, float) { add(j); },
-            [&](NodeIndex j) { return jets_.accepted(j); });
+        forAccepted(row.knownLink(k).node(), add);
     }
     return from;
 }

@@ -5,6 +5,7 @@
 #include <igeo/march/field.h>
 
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 
 namespace igeo {
@@ -183,29 +184,78 @@ ArrivalReader::ArrivalReader(const Field& field, std::size_t points)
 
 void ArrivalReader::read(std::span<const Vec3d> points, std::span<const Vec3f> sheetNormals,
                          Arrival* to, double tolerance, std::uint8_t* isSmooth) const {
+    const std::vector<std::size_t> left =
+        readFromCore(points, sheetNormals, to, tolerance, isSmooth);
+    std::vector<ReadPlace> places;
+    places.reserve(left.size());
+    std::vector<const ReadPlace*> at;
+    for (const std::size_t i : left)
+        at.push_back(&places.emplace_back(field_, points[i], Vec3d(sheetNormals[i])));
+    const KnownJets known(field_, at);
+    for (std::size_t k = 0; k < left.size(); ++k)
+        to[left[k]] = arrivalAt(field_, known, points[left[k]], places[k]);
+}
+
+std::vector<std::size_t> ArrivalReader::readFromCore(std::span<const Vec3d> points,
+                                                     std::span<const Vec3f> sheetNormals,
+                                                     Arrival* to, double tolerance,
+                                                     std::uint8_t* isSmooth) const {
     constexpr double kOnMesh = 0.01, kAtMeeting = 0.1;  // voxels
     const bool fromCore = fromCore_ && (!field_.band->triangles || tolerance >= kOnMesh);
     if (isSmooth) std::fill_n(isSmooth, points.size(), std::uint8_t(fromCore));
     std::vector<std::size_t> left;
-    if (fromCore) {
-        std::vector<Arrival*> met;
-        CoreReader reader(*field_.jets, *lifted_, tolerance >= kAtMeeting ? &met : nullptr);
-        for (std::size_t i = 0; i < points.size(); ++i)
-            reader.add(points[i], sheetNormals[i], to[i]);
-        reader.finish();
-        for (const Arrival* at : reader.left) left.push_back(std::size_t(at - to));
-        if (isSmooth)
-            for (const auto* list : {&met, &reader.left})
-                for (const Arrival* at : *list) isSmooth[at - to] = 0;
-    } else {
+    if (!fromCore) {
         left.resize(points.size());
         std::iota(left.begin(), left.end(), std::size_t(0));
+        return left;
     }
-    std::vector<Vec3d> leftPoints;
-    for (const std::size_t i : left) leftPoints.push_back(points[i]);
-    const KnownJets known(field_, leftPoints);
-    for (const std::size_t i : left)
-        to[i] = arrivalAt(field_, known, points[i], Vec3d(sheetNormals[i]));
+    std::vector<Arrival*> met;
+    CoreReader reader(*field_.jets, *lifted_, tolerance >= kAtMeeting ? &met : nullptr);
+    for (std::size_t i = 0; i < points.size(); ++i) reader.add(points[i], sheetNormals[i], to[i]);
+    reader.finish();
+    for (const Arrival* at : reader.left) left.push_back(std::size_t(at - to));
+    if (isSmooth)
+        for (const auto* list : {&met, &reader.left})
+            for (const Arrival* at : *list) isSmooth[at - to] = 0;
+    return left;
+}
+
+struct SharedPoints::Places {
+    std::vector<std::atomic<const ReadPlace*>> of;
+    explicit Places(std::size_t count) : of(count) {}
+    ~Places() {
+        for (const auto& place : of) delete place.load(std::memory_order_relaxed);
+    }
+};
+
+SharedPoints::SharedPoints(const Band& band, const std::vector<SurfacePoint>& points)
+    : places_(std::make_unique<Places>(points.size())) {
+    for (const SurfacePoint& p : points)
+        point_.push_back(p.pIndex), normal_.push_back(band.normal[p.node]);
+}
+SharedPoints::~SharedPoints() = default;
+
+const ReadPlace& SharedPoints::placeOf(const Field& field, std::size_t k) const {
+    std::atomic<const ReadPlace*>& place = places_->of[k];
+    const ReadPlace* known = place.load(std::memory_order_acquire);
+    if (known) return *known;
+    auto found = std::make_unique<const ReadPlace>(field, point_[k], Vec3d(normal_[k]));
+    // Another thread may have found it at the same time.
+    if (!place.compare_exchange_strong(known, found.get(), std::memory_order_acq_rel))
+        return *known;
+    return *found.release();
+}
+
+std::vector<Arrival> SharedPoints::read(const Field& field) const {
+    std::vector<Arrival> arrivals(point_.size());
+    const std::vector<std::size_t> left =
+        ArrivalReader(field, point_.size()).readFromCore(point_, normal_, arrivals.data());
+    std::vector<const ReadPlace*> places;
+    for (const std::size_t i : left) places.push_back(&placeOf(field, i));
+    const KnownJets known(field, places);
+    for (std::size_t k = 0; k < left.size(); ++k)
+        arrivals[left[k]] = arrivalAt(field, known, point_[left[k]], *places[k]);
+    return arrivals;
 }
 
 std::vector<Arrival> arrivalsAt(const Field& field, const std::vector<Vec3d>& points,
