@@ -112,8 +112,11 @@ std::string GeodesicSolver::Setup::hintFor(const Band& band, const Vec3d& asked,
                    ? "; as a point of the world it is on the surface: Space::World"
                    : "";
     if (isOn(asked, isInOther)) return "; as index coordinates it is on the surface: Space::Index";
+    // A small factor brings any point to a surface that passes through the origin.
+    constexpr double kFromOrigin = 10;  // voxels
     for (const double factor : {1000.0, 0.001, 100.0, 0.01, 25.4, 1 / 25.4})
-        if (isOn(transform().indexFromWorld(factor * asked),
+        if (length(factor * asked) > kFromOrigin * transform().dx &&
+            isOn(transform().indexFromWorld(factor * asked),
                  [&](const SurfacePoint& p) { return !tooFar(p); }))
             return fmt::format("; times {:.4g} it is on the surface: are its units the same?",
                                factor);

@@ -11,6 +11,7 @@
 #include <support/shapes.h>
 
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 namespace igeo::test {
@@ -56,13 +57,13 @@ TEST_CASE("slope on an inclined plane: a factor, the same up, down and across", 
         const double factor = 1 + std::pow(std::tan(angle) / std::tan(30 * kDegree), power);
         const MetricDefinition metric = slopeMetric(30, power);
         const VoxelOptions voxels{.resolution = 40};
-        // Measured 8.9e-8 at most: values of the march are in single precision.
+        // Measured 2.2e-6 at most, on the mesh, where it is that of a march without slopes.
         for (const Surface& surface :
              {Surface(slopeMesh(angle), voxels), Surface(cloud, voxels), Surface(*psi)}) {
             const GeodesicSolver solver = solverOn(surface, metric);
-            CHECK(between(solver, low, high) == Approx(0.8 * factor).epsilon(1.35e-7));
-            CHECK(between(solver, high, low) == Approx(0.8 * factor).epsilon(1.35e-7));
-            CHECK(between(solver, left, right) == Approx(0.8 * factor).epsilon(1.35e-7));
+            CHECK(between(solver, low, high) == Approx(0.8 * factor).epsilon(3.3e-6));
+            CHECK(between(solver, high, low) == Approx(0.8 * factor).epsilon(3.3e-6));
+            CHECK(between(solver, left, right) == Approx(0.8 * factor).epsilon(3.3e-6));
         }
     }
 }
@@ -88,6 +89,82 @@ TEST_CASE("slope on a cone, which is one factor on a surface that unrolls", "[sl
         CHECK(between(solver, at(0.6, 0), at(0.9, turn)) ==
               Approx(factor * exact).epsilon(7.8e-5));  // measured 5.2e-5
     }
+}
+
+/// Two squares that rise to a ridge at y = 0 by an angle, as long as wide, in n x n cells each.
+TriangleMesh gable(double angle, std::size_t n) {
+    return sheet(n, 2 * n, [=](double u, double v) {
+        return Vec3d{u, (2 * v - 1) * std::cos(angle), -std::abs(2 * v - 1) * std::sin(angle)};
+    });
+}
+
+TEST_CASE("slope along ridges and valleys is that of their sides", "[slope]") {
+    // A normal on a ridge points up, and in the middle of an edge below it to the side.
+    for (const double degrees : {10.0, 30.0, 60.0})
+        for (const double shift : {0.0, 0.0071}) {
+            INFO(degrees << " degrees, moved by " << shift);
+            const double angle = degrees * kDegree, limit = 1.2 * degrees,
+                         factor = 1 + std::pow(std::tan(angle) / std::tan(limit * kDegree), 2);
+            const Vec3d away{0, shift, shift};
+            for (const double side : {1.0, -1.0}) {
+                const TriangleMesh roof = moved(gable(angle, 8), [&](const Vec3d& p) {
+                    return Vec3d{p.x, p.y, side * p.z} + away;
+                });
+                const GeodesicSolver solver =
+                    solverOn(Surface(roof, VoxelOptions{.resolution = 100}), slopeMetric(limit, 2));
+                CHECK(between(solver, Vec3d{0.1, 0, 0} + away, Vec3d{0.9, 0, 0} + away) ==
+                      Approx(0.8 * factor)
+                          .epsilon(0.0037));  // measured 0.25 %, without slopes as well
+            }
+        }
+}
+
+/// An octahedron: all sides are inclined by 54.7 degrees, and four edges are level.
+TriangleMesh octahedron() {
+    TriangleMesh mesh;
+    mesh.points = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                      {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+    return mesh;
+}
+
+TEST_CASE("slope over an edge between two sides alike is no obstacle on a mesh", "[slope]") {
+    const double factor = 1 + 2 / std::pow(std::tan(65 * kDegree), 2), third = 1.0 / 3;
+    for (const double shift : {0.0, 0.0071}) {
+        const Vec3d away{shift, -shift, shift};
+        const TriangleMesh mesh = moved(octahedron(), [&](const Vec3d& p) { return p + away; });
+        const GeodesicSolver solver =
+            solverOn(Surface(mesh, VoxelOptions{.resolution = 100}), slopeMetric(65, 2));
+        CHECK(between(solver, Vec3d{third, third, third} + away,
+                      Vec3d{third, third, -third} + away) ==
+              Approx(factor * 2 * third * std::sqrt(1.5)).epsilon(9e-6));  // measured 6e-6
+    }
+}
+
+TEST_CASE("slope along an edge of a level set is at least that of the gentler side", "[slope]") {
+    const double root = std::sqrt(0.5),
+                 factor = 1 + std::pow(std::tan(45 * kDegree) / std::tan(50 * kDegree), 2);
+    const openvdb::Vec3d half(0.5, 0.3, 0.3);
+    double largest = 0;
+    for (int turn = 0; turn < 6; ++turn) {
+        const openvdb::FloatGrid::Ptr psi = makeLevelSet(
+            box({0, 0, 0}, half),
+            *rotatedTransform(0.02, {0.3, 0.5, 0.8}, 17.0 * turn, {0.0013 * turn, 0, 0.0029}), 3);
+        for (const double limit : {50.0, 40.0}) {
+            MetricDefinition metric;
+            metric.slope = SlopeWeight{{0, root, root}, limit * kDegree, 2};
+            const GeodesicSolver solver = solverOn(Surface(*psi), metric);
+            const Vec3d from{-0.4, 0.3, 0.3}, to{0.4, 0.3, 0.3};
+            if (limit > 45)
+                largest =
+                    std::max(largest, std::abs(between(solver, from, to) / (0.8 * factor) - 1));
+            else  // both sides are too steep
+                expectError(Error::Kind::InvalidArgument, {"obstacle"},
+                            [&] { between(solver, from, to); });
+        }
+    }
+    std::printf("slope along edges of level sets: off by %.3g\n", largest);
+    CHECK(largest < 0.0035);  // measured 0.0023
 }
 
 TEST_CASE("what is steeper is an obstacle", "[slope]") {

@@ -157,6 +157,7 @@ void writeMatrix(RunResult& r, const std::string& file) {
     for (const igeo::MatrixPlace& target : matrix.targets) columns.push_back(target.point.position);
     warnOfLost(r, "distances of the matrix", columns, matrix.firstRow, matrix.rows(),
                [&](std::size_t k) { return matrix.distance.data() + k * columns.size(); });
+    if (matrix.oneWay > 0) r.report.warn(oneWayWarning(matrix));
     for (double& d : matrix.distance)
         if (d > r.input.limits.maxDistance) d = igeo::kInfinity;
     const std::string ending = endingOf(file);

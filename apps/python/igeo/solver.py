@@ -45,7 +45,7 @@ class Solver:
         metric_curvature: Union[Bending, str, None] = None,
         curvature_scale: Optional[float] = None,
         scheme: str = "jet",
-        order: int = 2,
+        order: Optional[int] = None,
         band: Optional[float] = None,
         snap: Optional[float] = None,
         memory_limit: Optional[float] = None,
@@ -64,7 +64,7 @@ class Solver:
         weight_slope: a SlopeWeight, or the steepest slope in degrees above z; steeper is an obstacle.
         metric_curvature: a Bending, "avoid" or "prefer": costs by direction, instead of a tensor.
         curvature_scale: radius over which curvature is averaged, 1 to 16 voxels; None: 2.
-        scheme: "jet", second order, or "godunov" of `order` 1 or 2, Fast Marching in the band.
+        scheme: "jet", second order, or "godunov" of `order` 1 or 2 (None: 2), Fast Marching in the band.
         band: half the thickness of the band, world units; None: the best one.
         snap: how far points may be from the surface, world units; None: Surface.snap.
         memory_limit: bytes that the band may take; None: the memory of the machine.
@@ -73,13 +73,15 @@ class Solver:
         """
         if not isinstance(surface, Surface):
             raise TypeError(f"surface is of type {type(surface).__name__}; allowed is Surface (Surface.read)")
-        if order not in (1, 2):
+        if order not in (None, 1, 2):
             raise InputError(f"order is {order!r}; allowed are 1 and 2")
+        if order is not None and scheme == "jet":
+            raise InputError(f'order is {order!r} and scheme is "jet", which has no order; take scheme="godunov"')
         self.surface = surface
         plain = _igeo.plain_solver(
             surface._made,
             arguments.one_of(scheme, "scheme", _SCHEMES),
-            order,
+            order or 2,
             arguments.above_zero_or_none(band, "band"),
             -1.0 if snap is None else arguments.number(snap, "snap"),
             _machine_memory() if memory_limit is None else arguments.number(memory_limit, "memory_limit"),

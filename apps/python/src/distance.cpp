@@ -168,7 +168,7 @@ Array<double> axesOf(const PointMap& m) {
     return owning<double>(std::move(axes), {n, 2, 3});
 }
 
-/// Rows for seeds or groups; columns for targets, or the same. And warnings of lost points.
+/// Rows for seeds or groups; columns for targets, or the same. And warnings.
 py::tuple matrixOf(const Distance& d, bool lookForLost, const py::object& progress) {
     std::vector<std::string> lost;
     igeo::DistanceMatrix matrix = inBackground(progress, [&](igeo::Progress& p) {
@@ -180,7 +180,7 @@ py::tuple matrixOf(const Distance& d, bool lookForLost, const py::object& progre
         igeo::LostPoints rowsLost(d.band(), field.metric, columns);
         for (std::size_t k = 0; lookForLost && k < made.rows(); ++k)
             rowsLost.addSource(field, k, made.distance.data() + k * columns.size());
-        lost = {rowsLost.warning("distances of the matrix")};
+        lost = {rowsLost.warning("distances of the matrix"), oneWayWarning(made)};
         return made;
     });
     const auto rows = py::ssize_t(matrix.rows()), columns = py::ssize_t(matrix.targets.size());

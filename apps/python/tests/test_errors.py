@@ -164,6 +164,7 @@ def test_costs():
         (lambda: igeo.Solver(level_set, weight=np.ones(3)), "is no mesh"),
         (lambda: igeo.Solver(surface, scheme="fast"), "scheme is 'fast'"),
         (lambda: igeo.Solver(surface, order=3), "order is 3"),
+        (lambda: igeo.Solver(surface, order=1), 'order is 1 and scheme is "jet"'),
         (lambda: igeo.Solver(surface, memory_limit=1.0).distance([0]), "memory"),
     ]:
         with pytest.raises(igeo.InputError, match=message):

@@ -201,6 +201,9 @@ void Metric::check(const Band& band) const {
     for (std::size_t k = 0; k < weight.size(); ++k)
         if (!inRange(weight[k])) refuseCost(band, k, "weight", weight[k]);
     for (std::size_t k = 0; k < tensor.size(); ++k)
+        for (const float g : {tensor[k].xx, tensor[k].yy, tensor[k].zz})
+            if (g > kLargestCost) refuseCost(band, k, "diagonal of the tensor", g);
+    for (std::size_t k = 0; k < tensor.size(); ++k)
         if (!positiveDefinite(tensor[k]))
             throw Error(
                 Kind::InvalidArgument,

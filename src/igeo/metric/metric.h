@@ -96,8 +96,8 @@ struct Metric {
     std::size_t insideCount() const {
         return std::size_t(std::count(obstacleState.begin(), obstacleState.end(), Inside));
     }
-    /// Whether obstacles block a node, a step between two nodes that share a face, or a bridge. O(n)
-    /// if they block none.
+    /// Whether obstacles block a node, a step between two nodes that share a face, or a bridge.
+    /// O(n) if they block none.
     bool blocksAny(const Band& band) const;
     bool inside(NodeIndex i) const { return !obstacleState.empty() && obstacleState[i] == Inside; }
     /// Whether no obstacle comes near the foot point of a node, so that no test is needed.

@@ -47,8 +47,7 @@ MetricPtr metricOn(const MetricDefinition& d, const Band& band, Progress& progre
         metric->multiply(weights);
     }
     if (!d.nodeWeights.empty() || !d.nodeTensors.empty()) metric->check(band);
-    metric->setObstacles(
-        band, d.slope ? steepObstacles(band.transform, *d.slope, d.obstacles) : d.obstacles);
+    metric->setObstacles(band, d.slope ? steepObstacles(band, *d.slope, d.obstacles) : d.obstacles);
     return metric;
 }
 

@@ -204,8 +204,8 @@ bool ObstacleSet::patchBlocks(const Patch& patch, const Vec3d& a, const Vec3d& b
         const double cosine = dot(own, normal);
         if (cosine > kAcross && isAlong(own)) return true;
         // Through a thin wall lies the part of its other side.
-        if (isAlong(normal) && (std::abs(dot(off, normal)) <= reach - kReach + kFat ||
-                                cosine > Band::kOtherSheet))
+        if (isAlong(normal) &&
+            (std::abs(dot(off, normal)) <= reach - kReach + kFat || cosine > Band::kOtherSheet))
             return true;
     }
     return false;
@@ -230,7 +230,25 @@ void ObstacleSet::addVertices(const TriangleMesh& mesh, const std::vector<bool>&
         parts.push_back({corners[0], corners[1], corners[2]});
         const Vec3d& first = points[t[0]];
         normals.push_back(normalized(cross(points[t[1]] - first, points[t[2]] - first)));
-        const Vec3d &a = points[corners[0]], &b = points[corners[1]], &c = points[corners[2]];
+    }
+    if (parts.empty())
+        throw Error(Kind::BadInput, "the obstacle blocks no vertex of '" + mesh.file + "'",
+                    "a vertex is blocked by a value that is not 0, or by the value that is named");
+    addPatch(std::move(points), std::move(parts), std::move(normals));
+}
+
+void ObstacleSet::addTriangles(const SurfaceTriangles& mesh, const std::vector<bool>& blocked) {
+    std::vector<SurfaceTriangles::Triangle> parts;
+    std::vector<Vec3d> normals;
+    for (std::size_t t = 0; t < mesh.size(); ++t)
+        if (blocked[t]) parts.push_back(mesh[t]), normals.push_back(mesh.normal(t));
+    addPatch(mesh.points(), std::move(parts), std::move(normals));
+}
+
+void ObstacleSet::addPatch(std::vector<Vec3d> points, std::vector<SurfaceTriangles::Triangle> parts,
+                           std::vector<Vec3d> normals) {
+    for (const SurfaceTriangles::Triangle& t : parts) {
+        const Vec3d &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
         const double grown = kReach + kMostBulge + kPatchFat;
         Vec3d low = a, high = a;
         for (int k = 0; k < 3; ++k) {
@@ -239,9 +257,6 @@ void ObstacleSet::addVertices(const TriangleMesh& mesh, const std::vector<bool>&
         }
         markNear(low, high);
     }
-    if (parts.empty())
-        throw Error(Kind::BadInput, "the obstacle blocks no vertex of '" + mesh.file + "'",
-                    "a vertex is blocked by a value that is not 0, or by the value that is named");
     std::vector<std::array<std::uint32_t, 3>> alone(
         parts.size(), {SurfaceTriangles::kNone, SurfaceTriangles::kNone, SurfaceTriangles::kNone});
     patches_.push_back(

@@ -60,6 +60,11 @@ public:
     /// Time O(n log n).
     void addVertices(const TriangleMesh& mesh, const std::vector<bool>& blocked);
 
+    /// Triangles of the band's mesh, and all within a fifth of a voxel of them along the surface.
+    /// @param blocked  per triangle; at least one
+    /// Time O(n log n).
+    void addTriangles(const SurfaceTriangles& mesh, const std::vector<bool>& blocked);
+
     bool empty() const {
         return spheres_.empty() && boxes_.empty() && levelSets_.empty() && masks_.empty() &&
                patches_.empty();
@@ -106,6 +111,9 @@ private:
         std::shared_ptr<const SurfaceTriangles> parts;
         std::vector<Vec3d> normal;  ///< per part that of its triangle, oriented as in the band
     };
+    /// @param parts  alone, without neighbors
+    void addPatch(std::vector<Vec3d> points, std::vector<SurfaceTriangles::Triangle> parts,
+                  std::vector<Vec3d> normals);
     static bool patchBlocks(const Patch& patch, const Vec3d& a, const Vec3d& b,
                             const Vec3d& normal);
     std::vector<Patch> patches_;

@@ -20,14 +20,17 @@ struct SlopeWeight {
     bool operator==(const SlopeWeight&) const = default;
 };
 
-/// The weight per band node, by its normal; where it is too steep, 2. Time O(n), in parallel.
+/// The weight per band node; where it is too steep, 2. On a mesh by its triangles; at an edge by
+/// the least of those that meet there. On level sets and points by the normal, but at an edge,
+/// which voxels round off, no less than the gentler side has. Time O(n), in parallel.
 /// @throws Error  InvalidArgument for a field out of its range
 std::vector<float> slopeWeights(const Band& band, const SlopeWeight& slope);
 
-/// The obstacle of parts that are too steep, by the normal of the surface, joined with `others`,
-/// which may be null.
-std::shared_ptr<const Obstacles> steepObstacles(const Similarity& transform,
-                                                const SlopeWeight& slope,
+/// The obstacle of parts that are too steep, joined with `others`: on a mesh its steep triangles
+/// (ObstacleSet::addTriangles), else where the normal of the surface is, or both sides of an edge.
+/// @param others  may be null
+/// @return null where nothing is too steep, and there are no others
+std::shared_ptr<const Obstacles> steepObstacles(const Band& band, const SlopeWeight& slope,
                                                 std::shared_ptr<const Obstacles> others);
 
 }  // namespace igeo

@@ -19,6 +19,7 @@ namespace igeo {
 void makeSymmetric(DistanceMatrix& m) {
     const std::size_t n = m.seeds.size();
     m.asymmetry = 0;
+    m.oneWay = 0;
     for (std::size_t i = 0; i < n; ++i) {
         m.distance[i * n + i] = 0;
         for (std::size_t j = 0; j < i; ++j) {
@@ -28,10 +29,20 @@ void makeSymmetric(DistanceMatrix& m) {
                 if (mean > 0) m.asymmetry = std::max(m.asymmetry, std::abs(a - b) / mean);
                 a = b = mean;
             } else {
+                m.oneWay += (a < kInfinity && b == kInfinity) || (b < kInfinity && a == kInfinity);
                 a = b = std::min(a, b);
             }
         }
     }
+}
+
+std::string oneWayWarning(const DistanceMatrix& m) {
+    if (m.oneWay == 0) return "";
+    const std::size_t n = m.seeds.size();
+    return fmt::format(
+        "{} of {} pairs of seeds have a path in one direction only, and the matrix has its length: "
+        "something between them is about as narrow as voxels; use smaller voxels",
+        m.oneWay, n * (n - 1) / 2);
 }
 
 namespace {

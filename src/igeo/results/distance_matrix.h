@@ -28,6 +28,7 @@ struct DistanceMatrix {
     /// Between seeds: the largest |d_ij - d_ji| / (their mean), the difference between marches in
     /// the two directions. NaN in a part, where it is unknown; else 0.
     double asymmetry = 0;
+    std::size_t oneWay = 0;    ///< pairs of seeds with a path in one direction only
     bool withReasons = false;  ///< matrixCsv writes why targets have no distances
 
     std::size_t rows() const { return targets.empty() ? 0 : distance.size() / targets.size(); }
@@ -61,8 +62,11 @@ DistanceMatrix distanceRows(const Band& band, const MetricPtr& metric,
                             std::size_t endRow, Progress& progress = Progress::none());
 
 /// Completes a matrix between seeds from its one-way distances: the mean of both directions, or the
-/// one that arrived, and 0 on the diagonal; sets `asymmetry`.
+/// one that arrived, and 0 on the diagonal; sets `asymmetry` and `oneWay`.
 void makeSymmetric(DistanceMatrix& matrix);
+
+/// A sentence on `oneWay`; empty where it is 0.
+std::string oneWayWarning(const DistanceMatrix& matrix);
 
 /// Comma-separated. The first line is `target,x,y,z` and a name per seed: `distance_` and the name
 /// of the group or the number of the seed. Then a line per target: its number or the name of its

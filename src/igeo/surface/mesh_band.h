@@ -19,7 +19,7 @@ namespace igeo {
 /// The band ends at the boundary of the mesh: a voxel whose foot point is on a boundary edge stays
 /// only if it is within half a voxel of the plane there, to represent the boundary itself. So holes
 /// and slits remain, however narrow, and paths lead around them. Where a component has one side
-/// only (Moebius), the band is cut along one line across it.
+/// only (Moebius), normals are opposite along one line across it, which stops `godunov`.
 /// @param dx  voxel size, in the mesh's units; voxel centers at dx (i, j, k)
 /// @param h   half the band's thickness, voxels, sqrt(3)/2 to 8
 ///

@@ -217,6 +217,25 @@ std::array<int, 256> eulerTable() {
     return table;
 }
 
+/// The corners at which a node alone is on one side of S, and the voxel across is exactly as deep
+/// as the band: all other corners between both sides have eight nodes.
+int lonelyCorners(const Band& band, NodeIndex i) {
+    constexpr float kOn = 1e-3f;  // voxels
+    int count = 0;
+    if (std::abs(band.psi[i]) > kOn) return count;
+    for (unsigned at = 0; at < 8; ++at) {
+        bool isAlone = true;
+        for (unsigned k = 1; k < 8 && isAlone; ++k) {
+            const auto step = [&](unsigned axis) { return !(k & axis) ? 0 : at & axis ? 1 : -1; };
+            const NodeIndex j = band.neighbor(i, step(1), step(2), step(4));
+            isAlone =
+                k == 7 ? j == kNoNode : j != kNoNode && (band.psi[j] < 0) != (band.psi[i] < 0);
+        }
+        count += isAlone;
+    }
+    return count;
+}
+
 }  // namespace
 
 int eulerOnVoxels(const Band& band) {
@@ -230,8 +249,8 @@ int eulerOnVoxels(const Band& band) {
                 ++count;
                 in |= unsigned(band.psi[j] < 0) << k;
             });
-            // Corners between both signs are next to S, so all eight voxels exist.
             if (count == 8) part += table[in];
+            part += lonelyCorners(band, i) * table[band.psi[i] < 0 ? 1 : 254];
         }
         sum += part;
     });

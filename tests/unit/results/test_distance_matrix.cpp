@@ -169,6 +169,20 @@ TEST_CASE("distances: infinite between pieces; a constant weight scales") {
     CHECK(distances(band, weight, p).at(0, 1) == Approx(3 * m.at(0, 1)).epsilon(1e-5));
 }
 
+TEST_CASE("makeSymmetric: counts pairs that have a path in one direction only") {
+    DistanceMatrix m;
+    m.seeds.resize(3), m.targets.resize(3);
+    m.distance = {0, 4, kInfinity, 6, 0, kInfinity, 3, kInfinity, 0};
+    makeSymmetric(m);
+    CHECK(m.distance == std::vector<double>{0, 5, 3, 5, 0, kInfinity, 3, kInfinity, 0});
+    CHECK(m.oneWay == 1);
+    CHECK(oneWayWarning(m).starts_with("1 of 3 pairs"));
+    m.distance[2] = m.distance[6] = kInfinity;
+    makeSymmetric(m);
+    CHECK(m.oneWay == 0);
+    CHECK(oneWayWarning(m).empty());
+}
+
 TEST_CASE("distances: the same bits on any number of threads; refuses to do without seeds") {
     const Band band = sphereBand({0.3, -0.2, 0.1}, 12, 2);
     std::vector<Vec3d> asked;

@@ -184,6 +184,18 @@ TEST_CASE(
         CHECK(*u.eulerDifference != 0);
         CHECK(warns(u, "tunnels or gaps"));
     }
+    // A side along a diagonal of the lattice: voxels beside it are as deep as the band is.
+    TriangleMesh diagonal;
+    diagonal.points = {{16, 0, 0}, {-16, 0, 0}, {0, 16, 0}, {0, -16, 0}, {0, 0, 16}, {0, 0, -16}};
+    diagonal.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                          {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+    for (const double shift : {0.0, 0.5, 1.0 / 3})
+        CHECK(*onVoxels(moved(diagonal,
+                              [=](const Vec3d& p) {
+                                  return p + Vec3d{shift, 0, 0};
+                              }),
+                        1)
+                   .eulerDifference == 0);
     // What has no inside has none.
     CHECK_FALSE(onVoxels(sheet(8, 8,
                                [](double u, double v) {

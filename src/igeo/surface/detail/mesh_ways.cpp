@@ -1,9 +1,9 @@
 #include <igeo/surface/detail/mesh_ways.h>
 
 #include <igeo/band/detail/mesh_fan.h>
+#include <igeo/band/detail/open_sector.h>
 #include <igeo/band/tangent_frame.h>
 #include <igeo/base/parallel.h>
-#include <igeo/band/detail/open_sector.h>
 
 #include <algorithm>
 #include <array>
