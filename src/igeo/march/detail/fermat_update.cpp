@@ -359,10 +359,11 @@ void FermatGroup::takeSegments() {
     segments_.count = 0;
 }
 
-Jet fermatUpdate(const JetNeighbors& all) {
+Jet fermatUpdate(const JetNeighbors& all, std::array<std::uint8_t, 2>* ends) {
     FermatGroup group;
     group.add(0, all);
     group.finish();
+    if (ends) *ends = group.ends(0);
     Jet jet;
     jet.usedFallback = true;
     if (all.count() == 0) return jet;

@@ -13,7 +13,8 @@ namespace igeo {
 /// The fallback: the minimum of u_j + |a_j| over the neighbors, and over the segments between them.
 /// Never below the values it starts from; at least first order, second where the front is smooth.
 /// @return u = +infinity without neighbors
-Jet fermatUpdate(const JetNeighbors& all);
+/// @param ends  the neighbors at the ends of the segment from which u comes; equal: one neighbor
+Jet fermatUpdate(const JetNeighbors& all, std::array<std::uint8_t, 2>* ends = nullptr);
 
 /// Bounds of the fallbacks of the nodes of a group, without a search.
 struct FermatBounds {

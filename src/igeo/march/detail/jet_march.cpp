@@ -165,12 +165,11 @@ void JetMarch::gather(const Batch& batch, Group& group) {
     // as a product with 1 / weight would be off to the same side in each step.
     const auto start = float(batchRadius_);
     group.jets.clear(core_.pull());
-    std::array<bool, Lanes::kNodes> creased;
     for (std::size_t lane = 0; lane < group.size; ++lane) {
         const NodeIndex i = group.node[lane];
         if (!ownLinks_.empty()) ownLinks_.make(core_, i);
         const JetLinks::Row row = links_.rowAt(i);
-        group.rows.of[lane].links = row.links, creased[lane] = row.creased;
+        group.rows.of[lane].links = row.links, group.overCrease[lane] = row.creased;
     }
     split({group.rows.of.data(), group.size}, jets_.state.data(), batch.last + 1, isotropic_);
     for (std::size_t lane = 0; lane < group.size; ++lane) {
@@ -185,7 +184,8 @@ void JetMarch::gather(const Batch& batch, Group& group) {
             addStretched(i, row, batch, group.jets);
             continue;
         }
-        group.jets.expect(row.knownCount, !(creased[lane] && knowsCrease(row)));
+        group.overCrease[lane] = group.overCrease[lane] && knowsCrease(row);
+        group.jets.expect(row.knownCount, !group.overCrease[lane]);
         for (std::size_t k = 0; k < row.knownCount && !jets_.label.empty(); ++k)
             group.jets.setSource(k, jets_.label[row.knownLink(k).node()]);
     }
@@ -213,17 +213,39 @@ bool JetMarch::mayGoRound(NodeIndex i, const JetRows::Row& row, const JetGroup::
     return core_.band.foot.empty() && knowsCrease(row);
 }
 
-bool JetMarch::isMisplaced(const JetRows::Row& row, const JetGroup::Solution& s) const {
+bool JetMarch::isMisplaced(NodeIndex i, const JetRows::Row& row,
+                           const JetGroup::Solution& s) const {
     constexpr float kOff = 0.05f, kOffFacets = 0.002f;  // voxels
-    if (s.ends[0] == s.ends[1] || !core_.band.triangles || !core_.isEven() || !knowsCrease(row))
-        return false;
-    const JetLink &p = row.knownLink(s.ends[0]), &q = row.knownLink(s.ends[1]);
-    const JetNode &a = core_.nodes[p.node()], &b = core_.nodes[q.node()];
-    const Vec3f chord = a.foot - b.foot - Vec3f(core_.voxelOf(b) - core_.voxelOf(a));
-    const Vec2f along =
-        TangentFrame(a.normal, core_.band.faceted).unfold(chord, b.normal, dot(a.normal, b.normal));
-    return std::abs(length(p.a() - q.a()) - length(along)) >
-           (core_.band.faceted ? kOffFacets : kOff);
+    if (!core_.band.triangles || !core_.isEven()) return false;
+    const std::array<std::uint8_t, 2> ends = s.usedFallback ? s.ends : nextToRay(row, s.g);
+    if (!s.usedFallback && ends[0] == ends[1]) return false;
+    const JetLink &p = row.knownLink(ends[0]), &q = row.knownLink(ends[1]);
+    // Over the planes at both ends.
+    const auto isOff = [&](NodeIndex from, NodeIndex to, float laid) {
+        const JetNode &a = core_.nodes[from], &b = core_.nodes[to];
+        const Vec3f chord = a.foot - b.foot - Vec3f(core_.voxelOf(b) - core_.voxelOf(a));
+        const Vec2f along = TangentFrame(a.normal, core_.band.faceted)
+                                .unfold(chord, b.normal, dot(a.normal, b.normal));
+        return std::abs(laid - length(along)) > (core_.band.faceted ? kOffFacets : kOff);
+    };
+    return isOff(i, p.node(), length(p.a())) ||
+           (ends[0] != ends[1] && (isOff(i, q.node(), length(q.a())) ||
+                                   isOff(p.node(), q.node(), length(p.a() - q.a()))));
+}
+
+std::array<std::uint8_t, 2> JetMarch::nextToRay(const JetRows::Row& row, Vec2f g) {
+    std::array<std::uint8_t, 2> ends{};
+    std::array<float, 2> least{float(kInfinity), float(kInfinity)};
+    for (std::size_t k = 0; k < row.knownCount; ++k) {
+        const Vec2f a = row.knownLink(k).a();
+        const float across = cross(g, a), along = dot(g, a);
+        if (!(along > 0)) continue;
+        const std::size_t side = across > 0;
+        const float slope = std::abs(across) / along;
+        if (slope < least[side]) least[side] = slope, ends[side] = std::uint8_t(k);
+    }
+    if (!(least[0] < float(kInfinity)) || !(least[1] < float(kInfinity))) return {};
+    return ends;
 }
 
 bool JetMarch::knowsCrease(const JetRows::Row& row) {
@@ -409,7 +431,8 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
             s = group.jets.solveAtRim(lane);
         if (const JetRows::Row& row = group.rows.of[lane]; mayGoRound(i, row, s))
             s = overTwoLinks(i, row, batch, s);
-        if (const JetRows::Row& row = group.rows.of[lane]; s.usedFallback && isMisplaced(row, s))
+        if (const JetRows::Row& row = group.rows.of[lane];
+            group.overCrease[lane] && isMisplaced(i, row, s))
             s = solveByWalks(i, row, s);
         if (!isotropic_) s.g = core_.stretch[i].covectorBack(s.g);
         settle(lane, group, {s.u * group.weight[lane], s.g, s.source, s.usedFallback, s.frontsMeet},

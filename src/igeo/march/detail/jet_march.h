@@ -68,6 +68,8 @@ private:
         std::size_t size = 0;
         std::array<NodeIndex, Lanes::kNodes> node;
         std::array<float, Lanes::kNodes> line2;
+        /// Whether a neighbor that has a jet is over a crease; with tensors, any neighbor.
+        std::array<bool, Lanes::kNodes> overCrease;
         JetRows rows;
         Lanes weight;
         JetGroup jets;
@@ -141,9 +143,14 @@ private:
                                     JetGroup::Solution s) const;
     JetGroup::Solution walkTwoLinks(NodeIndex i, const JetRows::Row& row,
                                     JetGroup::Solution s) const;
-    /// Whether the fallback of a node of a mesh comes from a segment that is not as long in the
-    /// chart as on the faces of its ends: no plane holds all faces that meet beside the node.
-    bool isMisplaced(const JetRows::Row& row, const JetGroup::Solution& s) const;
+    /// Whether the chart of a node of a mesh misplaces the neighbors from which its value comes: a
+    /// link or the segment between them is not as long in the chart as over the planes of its ends.
+    /// No plane holds all faces that meet beside the node. A fit may agree with a fallback that is
+    /// as wrong as itself.
+    bool isMisplaced(NodeIndex i, const JetRows::Row& row, const JetGroup::Solution& s) const;
+    /// The neighbors on the two sides of a ray to a node that are nearest to it; equal: on one side
+    /// there is none behind the node.
+    static std::array<std::uint8_t, 2> nextToRay(const JetRows::Row& row, Vec2f g);
     /// The first arrival from nodes up to two links away, over walks.
     JetGroup::Solution solveByWalks(NodeIndex i, const JetRows::Row& row,
                                     JetGroup::Solution s) const;

@@ -102,9 +102,10 @@ JetGroup::Solution JetMarch::solveByWalks(NodeIndex i, const JetRows::Row& row,
         most = std::min(most, jets_.valueOf(link.node()) + double(weight * length(link.a())));
     }
     std::vector<From> from = fromTwoLinks(i, row, most + kAround * double(weight), 0);
-    if (!mayBeFinal(i, from)) return s;
+    if (!(s.u * weight < slackOf(i)) && !mayBeFinal(i, from)) return s;
     const Jump least = firstByWalks(i, std::move(from), kAround);
-    if (least.u < float(kInfinity)) s.u = least.u / weight, s.g = least.g, s.source = least.label;
+    if (!(least.u < float(kInfinity))) return s;
+    s.u = least.u / weight, s.g = least.g, s.source = least.label, s.usedFallback = true;
     return s;
 }
 

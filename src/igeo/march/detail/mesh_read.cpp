@@ -122,7 +122,7 @@ void JetsByWalks::addAcross(NodeIndex node, const NodeJet& jet, double weight) {
                     Vec3f(turned(Vec3d(jet.gradient), Vec3d(normal), faceNormal_[face])));
     if (!(length(g) > 0)) return;
     jets_.push_back(
-        {{mean * a, (1 / length(g)) * g, jet.distance / here_}, face, jet.label, {}, up});
+        {{mean * a, (1 / length(g)) * g, jet.distance / here_}, face, node, jet.label, {}, up});
 }
 
 double JetsByWalks::add(NodeIndex node, const NodeJet& jet, double weight, double most) {
@@ -154,7 +154,8 @@ double JetsByWalks::add(const WalkEnds& way, NodeIndex node, const NodeJet& jet,
     if (!(way.length < kInfinity)) return kInfinity;
     const double cost = (1 + weight / here_) / 2 * way.length;
     const Vec3d up = triangles_.normal(way.last);
-    Carried carried{{{float(cost), 0}, {}, jet.distance / here_}, kNoFace, jet.label, way.in, up};
+    Carried carried{
+        {{float(cost), 0}, {}, jet.distance / here_}, kNoFace, node, jet.label, way.in, up};
     const Vec3d start = triangles_.normal(way.first);
     if (way.straight && up != Vec3d{} && start != Vec3d{}) {
         const std::size_t face = carried.face = faceOf(up);
@@ -180,16 +181,58 @@ std::vector<std::uint32_t> JetsByWalks::sources() const {
     return all;
 }
 
-JetsByWalks::First JetsByWalks::first(std::uint32_t source) const {
+void JetsByWalks::setApart(const Carried& p, Carried& q, double apart) {
+    const Vec2f a = p.jet.a, b = q.jet.a;
+    const double sides = double(length(a)) * double(length(b)), left = double(cross(a, b));
+    if (!(sides > 0)) return;
+    const double cosine = (double(dot(a, a)) + double(dot(b, b)) - apart * apart) / (2 * sides),
+                 angle = std::copysign(std::acos(std::clamp(cosine, -1.0, 1.0)), left) -
+                         std::atan2(left, double(dot(a, b)));
+    const auto c = float(std::cos(angle)), s = float(std::sin(angle));
+    for (Vec2f* v : {&q.jet.a, &q.jet.g}) *v = {c * v->x - s * v->y, s * v->x + c * v->y};
+}
+
+Jet JetsByWalks::firstOnFace(const std::vector<const Carried*>& jets, int pairsLeft) {
+    constexpr double kOff = 0.03;  // voxels
+    JetNeighbors all;
+    for (const Carried* carried : jets)
+        if (all.count() < JetNeighbors::kMax) all.add(carried->jet);
+    std::array<std::uint8_t, 2> ends;
+    Jet first = fermatUpdate(all, &ends);
+    const Carried &p = *jets[ends[0]], &q = *jets[ends[1]];
+    // Across a gap there is no walk.
+    if (pairsLeft == 0 || &p == &q || metric_.weighted() || p.in == Vec3d{} || q.in == Vec3d{})
+        return first;
+    const SurfaceTriangles::Place from = band_.footPlace(p.node), to = band_.footPlace(q.node);
+    const double laid = double(length(p.jet.a - q.jet.a)),
+                 walked = walk_.tightLength({from.triangle, from.point}, {to.triangle, to.point},
+                                            kBeforeTight * laid + kOff);
+    if (std::abs(walked - laid) < kOff) return first;
+    first = {};
+    if (walked < kInfinity) {
+        Carried apart = q;
+        setApart(p, apart, walked);
+        JetNeighbors both;
+        both.add(p.jet), both.add(apart.jet);
+        first = fermatUpdate(both);
+    }
+    for (const Carried* end : {&p, &q}) {
+        std::vector<const Carried*> rest = jets;
+        std::erase(rest, end);
+        if (const Jet other = firstOnFace(rest, pairsLeft - 1); other.u < first.u) first = other;
+    }
+    return first;
+}
+
+JetsByWalks::First JetsByWalks::first(std::uint32_t source) {
+    constexpr int kPairs = 4;
     First first;
     for (std::size_t face = 0; face < faceNormal_.size(); ++face) {
-        JetNeighbors all;
+        std::vector<const Carried*> on;
         for (const Carried& carried : jets_)
-            if (carried.source == source && carried.face == face &&
-                all.count() < JetNeighbors::kMax)
-                all.add(carried.jet);
-        if (all.count() == 0) continue;
-        const Jet jet = fermatUpdate(all);
+            if (carried.source == source && carried.face == face) on.push_back(&carried);
+        if (on.empty()) continue;
+        const Jet jet = firstOnFace(on, kPairs);
         if (const double d = here_ * jet.u; d < first.distance)
             first = {d, Vec3d(TangentFrame(Vec3f(faceNormal_[face])).lift(jet.g)),
                      faceNormal_[face]};

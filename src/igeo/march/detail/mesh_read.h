@@ -63,7 +63,7 @@ public:
         Vec3d normal;     ///< of the face on which it travels
     };
     /// The first arrival of a source, by Fermat's principle; +infinity without jets of it.
-    First first(std::uint32_t source) const;
+    First first(std::uint32_t source);
     /// The sources of the jets, ascending.
     std::vector<std::uint32_t> sources() const;
 
@@ -71,6 +71,7 @@ private:
     struct Carried {
         JetNeighbor jet;   ///< in the plane of its face; u over the weight at the point
         std::size_t face;  ///< kNoFace: the walk bends, and the front starts again
+        NodeIndex node;
         std::uint32_t source;
         Vec3d in, up;  ///< at the end of the walk: its direction, and the normal of its triangle
     };
@@ -78,6 +79,15 @@ private:
     /// The number of a face by its normal.
     std::size_t faceOf(const Vec3d& up);
 
+    /// By Fermat's principle, over jets on one face.
+    ///
+    /// A vertex between two walks leaves no plane for both: the segment between their nodes is then
+    /// not as long as the walk between these. It counts by itself, in the plane triangle that has
+    /// the lengths of the three walks for sides.
+    /// @param pairsLeft  so many segments are tested at most
+    Jet firstOnFace(const std::vector<const Carried*>& jets, int pairsLeft);
+    /// Turns q around the point until its node is so far from that of p.
+    static void setApart(const Carried& p, Carried& q, double apart);
     /// Whether an obstacle blocks the walk that was found last.
     bool isBlocked(const MeshPoint& from, const WalkEnds& way) const;
 
