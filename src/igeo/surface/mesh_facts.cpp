@@ -120,7 +120,8 @@ std::vector<std::string> meshWarnings(const MeshFacts& facts) {
             facts.pinches == 1 ? "a vertex" : fmt::format("{} vertices", facts.pinches)));
     if (facts.nonOrientable > 0)
         warnings.push_back(
-            "the mesh has one side only in places (as a Moebius strip): godunov cuts it along a line "
+            "the mesh has one side only in places (as a Moebius strip): godunov cuts it along a "
+            "line "
             "there, which its paths go around; jet does not");
     return warnings;
 }
