@@ -3,7 +3,10 @@
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 
+#include <algorithm>
+#include <atomic>
 #include <bit>
+#include <cmath>
 
 namespace igeo {
 
@@ -86,6 +89,33 @@ void refuseLargeRatio(const Band& band, const CostRange& costs) {
                 "bring the eigenvalues of the tensors closer together");
 }
 
+/// The metric with weights in place of tensors, where these cost the same in all directions along
+/// S everywhere; the metric itself elsewhere.
+MetricPtr asWeights(const Band& band, MetricPtr metric) {
+    constexpr double kSame = 1e-4;   // of the costs along the two axes
+    constexpr double kEqual = 1e-5;  // of costs: rounding of the tensors
+    if (!metric->anisotropic()) return metric;
+    std::vector<float> weights(band.size());
+    std::atomic<bool> isotropic = true;
+    parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end && isotropic.load(std::memory_order_relaxed); ++i) {
+            const PlaneMetric plane = metric->inPlane(TangentFrame(band.normal[i]), NodeIndex(i));
+            weights[i] = float(plane.weight);
+            if (plane.largest() > (1 + kSame) * plane.least()) isotropic = false;
+        }
+    });
+    if (!isotropic) return metric;
+    const auto plain = std::make_shared<Metric>(*metric);
+    plain->tensor.clear();
+    const auto [least, most] = std::minmax_element(weights.begin(), weights.end());
+    const double lowest = double(*least);
+    if (double(*most) > (1 + kEqual) * lowest)
+        plain->weight = std::move(weights);
+    else if (std::abs(lowest - 1) > kEqual)
+        plain->weight.assign(band.size(), *least);
+    return plain;
+}
+
 /// How far a point goes from `from` along `step` before an obstacle, as a part of the step, to a
 /// thousandth.
 float freePart(const Metric& metric, const Vec3d& from, const Vec3f& step, const Vec3d& normal) {
@@ -145,7 +175,7 @@ std::unique_ptr<JetCore> buildJetCore(const Band& band, MetricPtr metric) {
     if (band.coreSize() > JetLink::kMostNodes)
         throw Error(Error::Kind::InvalidArgument, "jet marches up to 2^31 nodes of the core",
                     "take larger voxels");
-    auto core = std::make_unique<JetCore>(band, std::move(metric));
+    auto core = std::make_unique<JetCore>(band, asWeights(band, std::move(metric)));
     const CostRange costs = fillNodes(*core);
     core->leastCost = costs.least;
     core->largestRatio = costs.ratio;

@@ -109,7 +109,7 @@ struct JetCore {
 /// @throws Error  InvalidArgument for a metric that does not fit the band, where costs along S
 ///         differ by more than kLargestRatio, or for more nodes than links can name
 /// Time O(n), in parallel; 10 bytes per node of the band. With stencils the links of all nodes are
-/// made as well.
+/// made as well. Tensors that cost the same in all directions along S everywhere become weights.
 std::unique_ptr<JetCore> buildJetCore(const Band& band, MetricPtr metric);
 
 /// The neighbors of every node by Selling's reduction of the metric in its tangent plane, the nodes

@@ -197,11 +197,16 @@ void JetMarch::addStretched(NodeIndex i, const JetRows::Row& row, const Batch& b
     for (std::size_t k = 0; k < row.knownCount; ++k) {
         const JetLink& link = row.knownLink(k);
         const NodeIndex j = link.node();
-        JetNeighbor n{link.a(), link.turned(jets_.state[j].g)};
-        n.g = (core_.nodes[j].weight / weight) * n.g;
-        n = stretched(core_.stretch[i], n);
+        const JetNeighbor n = inStretchedChart(i, link);
         jets.add(n.a, n.g, valueIn(batch, j) / weight, jets_.labelOf(j), link.overCrease());
     }
+}
+
+JetNeighbor JetMarch::inStretchedChart(NodeIndex i, const JetLink& link) const {
+    const NodeIndex j = link.node();
+    JetNeighbor n{link.a(), link.turned(jets_.state[j].g)};
+    n.g = (core_.nodes[j].weight / core_.nodes[i].weight) * n.g;
+    return stretched(core_.stretch[i], n);
 }
 
 bool JetMarch::mayGoRound(NodeIndex i, const JetRows::Row& row, const JetGroup::Solution& s) const {
@@ -279,8 +284,8 @@ float JetMarch::valueIn(const Batch& batch, NodeIndex i) const {
 bool JetMarch::isAtRim(NodeIndex i) const {
     if (core_.nodes[i].obstacleState != Metric::Clear) return true;
     // Tensors squeeze the chart, and at a straight rim the fallback would err by more than it
-    // saves.
-    if (!core_.stretch.empty()) return false;
+    // saves: comesSideways.
+    if (!isotropic_) return false;
     // Beside the corner of a rim a front arrives before the node on the rim has its value.
     return core_.costsVary || links_.row(i).size() < kAllAround ||
            core_.rims.isBesideOpen(core_, i) || core_.rims.isCreasedBeside(core_, i);
@@ -296,6 +301,21 @@ bool JetMarch::isInShadow(const JetRows::Row& row, const JetGroup::Solution& s) 
             return true;
     }
     return false;
+}
+
+bool JetMarch::comesSideways(NodeIndex i, const JetRows::Row& row,
+                             const JetGroup::Solution& s) const {
+    constexpr float kBehind = 0.9f;                        // cosine: within 26 degrees
+    constexpr float kSameWay = 0.9f, kStraight = 0.9998f;  // cosines: 26 degrees, one degree
+    if (isotropic_) return false;
+    // Along a rim that bends a fit would cut the bend a little with every step.
+    const bool atRim = core_.rims.isBesideOpen(core_, i);
+    for (std::size_t k = 0; k < row.knownCount; ++k) {
+        const JetNeighbor n = inStretchedChart(i, row.knownLink(k));
+        if (!atRim && dot(n.g, s.g) >= jet::kSameFront && dot(n.a, s.g) > kBehind * length(n.a))
+            return false;
+    }
+    return !isConfirmedBehind(i, s, atRim ? kStraight : kSameWay);
 }
 
 bool JetMarch::isFolded(NodeIndex i) const {
@@ -427,7 +447,8 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
     for (std::size_t lane = 0; lane < group.size; ++lane) {
         const NodeIndex i = group.node[lane];
         JetGroup::Solution& s = solutions[lane];
-        if ((s.oneSided && (isInShadow(group.rows.of[lane], s) || isAtRim(i))) || isFolded(i))
+        if (isFolded(i) || (s.oneSided && (isInShadow(group.rows.of[lane], s) || isAtRim(i) ||
+                                           comesSideways(i, group.rows.of[lane], s))))
             s = group.jets.solveAtRim(lane);
         if (const JetRows::Row& row = group.rows.of[lane]; mayGoRound(i, row, s))
             s = overTwoLinks(i, row, batch, s);

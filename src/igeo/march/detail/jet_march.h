@@ -170,6 +170,20 @@ private:
     /// Whether a front that spreads around the corner of a rim has reached a neighbor: what comes
     /// straight past the corner, and has neighbors on one side only, does not reach the node.
     bool isInShadow(const JetRows::Row& row, const JetGroup::Solution& s) const;
+    /// Whether a fit of a front with tensors lets it reach a node from the side: no neighbor is
+    /// straight behind the node, or the node is at a rim, and no node further back confirms the
+    /// fit. Behind a corner, where the front is not, a fit would carry it on: across the cheap axis
+    /// neighbors are far apart.
+    bool comesSideways(NodeIndex i, const JetRows::Row& row, const JetGroup::Solution& s) const;
+    /// Whether S goes on straight behind a node, to a node that belongs to the front and does not
+    /// carry a later value.
+    /// @param sameWay  cosine of the largest angle between the directions of both
+    bool isConfirmedBehind(NodeIndex i, const JetGroup::Solution& s, float sameWay) const;
+    /// The node over links from another, about so far along a direction of its tangent plane;
+    /// kNoNode where S ends before.
+    NodeIndex nodeAlong(NodeIndex i, Vec3f direction, float far) const;
+    /// A neighbor of a node in the coordinates of its tensor, without a value.
+    JetNeighbor inStretchedChart(NodeIndex i, const JetLink& link) const;
     /// Whether S folds or crosses within a voxel, so that no chart holds the links of a node.
     bool isFolded(NodeIndex i) const;
     Jump jumpTo(NodeIndex i) const;

@@ -143,6 +143,45 @@ JetMarch::Jump JetMarch::firstByWalks(NodeIndex i, std::vector<From> from, doubl
     return jump;
 }
 
+NodeIndex JetMarch::nodeAlong(NodeIndex i, Vec3f direction, float far) const {
+    constexpr float kAlong = 0.4f, kAside = 0.75f;  // voxels
+    Vec3f aside{};                                  // from the straight line
+    NodeIndex at = i;
+    while (far > 0) {
+        const Vec3f& n = core_.nodes[at].normal;
+        direction = normalized(direction - dot(direction, n) * n);
+        NodeIndex next = kNoNode;
+        float least = kAside, step = 0;
+        Vec3f off;
+        forLinks(core_, at, [&](NodeIndex j, const Ijk&, const Vec3f& chord, float) {
+            const float along = -dot(chord, direction);
+            if (along < kAlong) return;
+            const Vec3f w = aside - chord - along * direction, flat = w - dot(w, n) * n;
+            if (const float l = length(flat); l < least)
+                least = l, next = j, step = along, off = flat;
+        });
+        if (next == kNoNode) return kNoNode;
+        at = next, far -= step, aside = off;
+    }
+    return at;
+}
+
+bool JetMarch::isConfirmedBehind(NodeIndex i, const JetGroup::Solution& s, float sameWay) const {
+    constexpr float kFar = 2;      // voxels
+    constexpr float kOff = 0.02f;  // of the way to the node
+    const LocalFrame local = core_.localFrame(i);
+    const Vec2f ahead = local.stretch.vectorBack(s.g);
+    const NodeIndex j = nodeAlong(i, local.frame.lift((-1 / length(ahead)) * ahead), kFar);
+    if (j == kNoNode || !jets_.accepted(j)) return false;
+    const JetNode &here = core_.nodes[i], &other = core_.nodes[j];
+    const Vec3f chord = here.foot - other.foot - Vec3f(core_.voxelOf(other) - core_.voxelOf(here));
+    const JetNeighbor n = stretched(
+        local.stretch, flattened(local.frame, chord, other.normal, dot(here.normal, other.normal),
+                                 (other.weight / here.weight) * jets_.gradientOf(j), 0));
+    const float u = fromStart(jets_.valueOf(j)) / here.weight + dot(n.g, n.a);
+    return dot(n.g, s.g) > sameWay && s.u > u - kOff * length(n.a);
+}
+
 JetMarch::Jump JetMarch::jumpTo(NodeIndex i) const {
     constexpr double kAround = 1;  // voxels: jumps that matter
     auto cost = [&](NodeIndex j) { return (core_.largestCostAt(i) + core_.largestCostAt(j)) / 2; };

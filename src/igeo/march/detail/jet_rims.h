@@ -8,6 +8,7 @@
 
 namespace igeo {
 
+struct Band;
 struct JetCore;
 
 /// Answers for the nodes of a core, each found when it is first asked for: no seed changes them.
@@ -35,5 +36,9 @@ private:
 
     mutable std::vector<std::atomic<std::uint8_t>> facts_;
 };
+
+/// Whether a chord between two points leads over a rim of S, farther off than either of them lies:
+/// nodes lie up to half a voxel beyond rims.
+bool leadsOverRim(const Band& band, const Vec3d& from, const Vec3d& to);
 
 }  // namespace igeo

@@ -206,6 +206,8 @@ private:
         }
         Solved s;
         if (!seedNeighborhoodJet(core_, seeds_, k_, core_.localFrame(i), foot, s)) return false;
+        // With tensors the disc is large, and may reach over a hole.
+        if (r > seeds_.startRadius && leadsOverRim(core_.band, from, foot)) return false;
         // From the next face of a level set the disc would grow over ribs.
         const bool straight =
             core_.band.triangles || isNearPsi(from, foot) || followsSurface(core_.band, from, foot);

@@ -62,18 +62,23 @@ NodeIndex linkedInColumn(const JetCore& core, NodeIndex from, const Columns& col
 }
 
 /// From a core node over links to a column, nearest to the straight line; kNoNode where links do
-/// not lead there, or an obstacle lies on the chord.
+/// not lead there, or an obstacle lies on the chord, or a rim.
 NodeIndex walk(const JetCore& core, NodeIndex from, const Columns& columns, Vec2i offset) {
     const int steps = std::max(std::abs(offset.x), std::abs(offset.y));
     NodeIndex at = from;
     bool clear = core.nodes[from].obstacleState == Metric::Clear;
+    bool besideRim = core.rims.isBesideOpen(core, from);
     for (int k = 1; k <= steps; ++k) {
         at = linkedInColumn(core, at, columns,
                             {moveAlong(offset.x, k, steps), moveAlong(offset.y, k, steps)});
         if (at == kNoNode) return kNoNode;
         clear &= core.nodes[at].obstacleState == Metric::Clear;
+        besideRim = besideRim || core.rims.isBesideOpen(core, at);
     }
     const JetNode &a = core.nodes[from], &b = core.nodes[at];
+    // Around a corner of a rim the links go on, but no chord does.
+    if (besideRim && steps > 1 && leadsOverRim(core.band, core.footOf(a), core.footOf(b)))
+        return kNoNode;
     // Where no link of the walk comes near an obstacle, neither does the chord.
     if (!clear &&
         core.metric.blocked(core.footOf(a), core.footOf(b), Vec3d(normalized(a.normal + b.normal))))
