@@ -78,6 +78,7 @@ std::string describe(const igeo::MeshFacts& mesh) {
         line += ", " + count(mesh.nonManifoldEdges, "edge") + " of three triangles or more";
     if (mesh.nonOrientable > 0) line += ", " + std::to_string(mesh.nonOrientable) + " one-sided";
     if (mesh.crossingPairs > 0) line += ", " + crossingsOf(mesh);
+    if (mesh.junctions > 0) line += "; " + splitsOf(mesh);
     if (mesh.dropped > 0) line += "; " + count(mesh.dropped, "triangle") + " dropped";
     return line;
 }

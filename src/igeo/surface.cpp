@@ -249,6 +249,7 @@ public:
                         (facts.mesh->closed ? "closed"
                          : open.empty()     ? "without boundary"
                                             : open);
+        if (facts.mesh->junctions > 0) facts.summary += ", " + splitsOf(*facts.mesh);
         if (facts.mesh->nonManifoldEdges > 0)
             facts.summary += ", " + std::to_string(facts.mesh->nonManifoldEdges) +
                              " edges of three triangles or more";

@@ -126,6 +126,34 @@ TEST_CASE("faces of a mesh that cross are counted, by a run and info") {
           16);
 }
 
+TEST_CASE("a mesh is split where vertices lie in its edges, and its faces stay") {
+    const TempWorkspace desk;
+    // Two squares side by side, the second in three strips.
+    const TriangleMesh one = sheet(1, 1,
+                                   [](double u, double v) {
+                                       return Vec3d{u, v, 0};
+                                   }),
+                       three = sheet(1, 3, [](double u, double v) {
+                           return Vec3d{1 + u, v, 0};
+                       });
+    const TriangleMesh mesh = together(one, three);
+    writeMesh(mesh, desk / "in.obj");
+    const Result run = requireDone(desk,
+                                   "in.obj --resolution 40 --seed 0.1,0.5,0 -o o.vdb "
+                                   "--per-vertex out.obj");
+    // Two along each side in common, and one and three at the ends.
+    CHECK(run.err.find("warning: the mesh is open: 8 boundary edges in 1 hole") !=
+          std::string::npos);
+    CHECK(run.err.find("parts of the mesh meet") == std::string::npos);
+    const auto written = lines(readBytes(desk / "out.obj"));
+    CHECK(std::count_if(written.begin(), written.end(), [](const std::string& line) {
+              return line[0] == 'f';
+          }) == std::ptrdiff_t(mesh.triangles.size()));
+    CHECK(desk.run("info in.obj --resolution 40").out.find("edges split at 2 points in them") !=
+          std::string::npos);
+    CHECK(parseJson(desk.run("info in.obj --resolution 40 --json").out)["mesh"]["junctions"] == 2);
+}
+
 TEST_CASE("faces given twice are dropped, and distances are those without them") {
     const TempWorkspace desk;
     const TriangleMesh once = together(sphereMesh({}, 1, 2), boxFrom({2, 0, 0}, {1, 0.7, 0.5}));

@@ -22,6 +22,7 @@ inline Json meshJson(const igeo::MeshFacts& m) {
             {"triangles", m.triangles},
             {"dropped", m.dropped},
             {"repeated", m.repeated},
+            {"junctions", m.junctions},
             {"components", m.components},
             {"boundaryEdges", m.boundaryEdges},
             {"holes", m.holes},

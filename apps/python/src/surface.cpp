@@ -182,12 +182,26 @@ std::vector<igeo::TriangleMesh::Triangle> cutFaces(const igeo::TriangleMesh& mes
     return found;
 }
 
+/// The triangles of a mesh, each corner as the first vertex at its point: pieces of triangles that
+/// were split have corners that are none of their face.
+std::vector<igeo::TriangleMesh::Triangle> splitFaces(const igeo::TriangleMesh& mesh) {
+    std::vector<std::uint32_t> firstAt(mesh.points.size());
+    for (std::size_t v = mesh.pointOfVertex.size(); v-- > 0;)
+        if (mesh.pointOfVertex[v] != igeo::TriangleMesh::kNoPoint)
+            firstAt[mesh.pointOfVertex[v]] = std::uint32_t(v);
+    auto found = mesh.triangles;
+    for (auto& corners : found)
+        for (std::uint32_t& corner : corners) corner = firstAt[corner];
+    return found;
+}
+
 /// Triangles with vertex numbers: those of the file, or those that its polygons are cut into.
 py::object facesOf(const Surface& surface) {
     const igeo::TriangleMesh* mesh = surface.triangles();
     if (!mesh) return py::none();
     if (!mesh->source) return arrayOf(std::vector(mesh->triangles));
-    if (!isOfTriangles(*mesh->source)) return arrayOf(cutFaces(*mesh));
+    if (!isOfTriangles(*mesh->source))
+        return arrayOf(mesh->junctions > 0 ? splitFaces(*mesh) : cutFaces(*mesh));
     const auto& corners = mesh->source->corners;
     const auto n = py::ssize_t(mesh->source->faces());
     return owning<std::uint32_t>(std::vector(corners), {n, 3});

@@ -275,7 +275,7 @@ void warnOfRounding(TriangleMesh& mesh) {
                     farthest, size, off));
 }
 
-/// Checks that every mesh must pass, and weld().
+/// Checks that every mesh must pass, weld() and splitAtJunctions().
 void finish(TriangleMesh& mesh) {
     if (mesh.triangles.empty())
         throw Error(Kind::BadInput,
@@ -296,6 +296,7 @@ void finish(TriangleMesh& mesh) {
         throw Error(Kind::BadInput,
                     "all triangles of '" + mesh.file + "' have shrunk to points or lines",
                     "give a mesh with faces");
+    splitAtJunctions(mesh);
 }
 
 }  // namespace

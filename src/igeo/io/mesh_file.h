@@ -12,9 +12,9 @@ namespace igeo {
 bool isMeshFile(const std::string& file);
 
 /// Reads all surfaces of a file as one mesh: polygons are cut into triangles, the transforms of a
-/// glTF scene applied, points and lines left out, and the mesh is welded (weld()). STL and glTF are
-/// read by assimp. All other formats keep the numbers of their vertices (TriangleMesh::source) and
-/// may be gzip files (.gii.gz).
+/// glTF scene applied, points and lines left out, and the mesh is welded (weld()) and split where
+/// corners lie in edges (splitAtJunctions()). STL and glTF are read by assimp. All other formats
+/// keep the numbers of their vertices (TriangleMesh::source) and may be gzip files (.gii.gz).
 ///
 /// GIFTI: positions are those of the array of points; transforms in the file are not applied.
 /// FreeSurfer: positions are those of the file, relative to the center that the geometry of the

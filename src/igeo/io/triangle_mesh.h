@@ -22,8 +22,11 @@ struct TriangleMesh {
     std::vector<Triangle> triangles;
     std::size_t dropped = 0;            ///< triangles with two equal corners, or duplicates
     std::size_t repeated = 0;           ///< of these the duplicates
+    std::size_t junctions = 0;          ///< points at which splitAtJunctions() split edges
     std::vector<std::string> warnings;  ///< for the user, one sentence each
 
+    /// Points this close are the same, as a share of the diagonal of the bounding box.
+    static constexpr double kSame = 1e-6;
     static constexpr std::uint32_t kNoPoint = std::numeric_limits<std::uint32_t>::max();
     /// The vertices and faces of the file; null for formats without vertex numbers (STL).
     std::shared_ptr<const PolygonMesh> source;
@@ -34,13 +37,23 @@ struct TriangleMesh {
 /// Merges equal points, so that triangles find their neighbors. Drops triangles with fewer than
 /// three corners left, duplicate triangles (in any orientation) and unused points.
 ///
-/// A point closer to an earlier one than 1e-6 of the diagonal of the triangles' bounding box is
+/// A point closer to an earlier one than kSame of the diagonal of the triangles' bounding box is
 /// merged into it.
 /// Files with a point per corner (STL) hold each point several times, rounded in different ways:
 /// single precision is good to 6e-8 of the coordinate. A triangle with three corners on one line
 /// stays, because it joins its neighbors. Keeps the order of the rest, and fills pointOfVertex
 /// where there is a source, whose vertices are the points in their order. Time O(n).
 void weld(TriangleMesh& mesh);
+
+/// Splits the boundary edges in which the corners of other triangles lie, so that both sides have
+/// the same edges: as where the last row of a fine grid ends on the edge of a large triangle.
+///
+/// A point splits an edge within kSame of it, as in weld(), if a boundary edge that ends in the
+/// point runs along it. A point that only touches does not. The pieces of a triangle take its place
+/// in the order of triangles; points and source stay. Counts the points in `junctions`.
+/// @param mesh  welded
+/// Time O(n log n) for n boundary edges, and O(triangles).
+void splitAtJunctions(TriangleMesh& mesh);
 
 /// The neighbors of triangles across their edges.
 struct MeshTopology {

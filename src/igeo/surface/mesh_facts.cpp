@@ -80,13 +80,13 @@ std::string counted(std::size_t n, const char* one) {
 }  // namespace
 
 MeshFacts meshFacts(const TriangleMesh& mesh, const Progress& progress) {
-    constexpr double kContact = 1e-6;
     const MeshTopology topology = meshTopology(mesh);
     MeshFacts facts;
     facts.points = mesh.points.size();
     facts.triangles = mesh.triangles.size();
     facts.dropped = mesh.dropped;
     facts.repeated = mesh.repeated;
+    facts.junctions = mesh.junctions;
     facts.components = topology.components;
     facts.boundaryEdges = topology.boundaryEdges;
     facts.nonManifoldEdges = topology.nonManifoldEdges;
@@ -94,7 +94,8 @@ MeshFacts meshFacts(const TriangleMesh& mesh, const Progress& progress) {
     DisjointSets fans = fansOf(mesh, topology);
     facts.holes = countHoles(mesh, topology, fans);
     facts.pinches = countPinches(mesh, topology, fans);
-    facts.crossingPairs = crossingPairs(mesh, kContact * length(Box(mesh.points).size()), progress);
+    const double contact = TriangleMesh::kSame * length(Box(mesh.points).size());
+    facts.crossingPairs = crossingPairs(mesh, contact, progress);
     facts.closed = topology.closed();
     if (facts.closed) facts.euler = eulerOf(mesh, fans);
     return facts;
@@ -103,6 +104,10 @@ MeshFacts meshFacts(const TriangleMesh& mesh, const Progress& progress) {
 std::string crossingsOf(const MeshFacts& facts) {
     const bool orMore = facts.crossingPairs == kMostCrossingPairs;
     return counted(facts.crossingPairs, "pair") + (orMore ? " or more" : "") + " of faces cross";
+}
+
+std::string splitsOf(const MeshFacts& facts) {
+    return "edges split at " + counted(facts.junctions, "point") + " in them";
 }
 
 std::vector<std::string> meshWarnings(const MeshFacts& facts) {

@@ -12,7 +12,8 @@ namespace igeo {
 
 /// A triangle mesh in numbers.
 struct MeshFacts {
-    std::size_t points = 0, triangles = 0, dropped = 0, repeated = 0;  ///< as in TriangleMesh
+    std::size_t points = 0, triangles = 0, dropped = 0, repeated = 0,
+                junctions = 0;  ///< as in TriangleMesh
     std::size_t components = 0, boundaryEdges = 0, nonManifoldEdges = 0,
                 nonOrientable = 0;  ///< as in MeshTopology
     std::size_t holes = 0;          ///< closed lines of boundary edges
@@ -31,6 +32,9 @@ MeshFacts meshFacts(const TriangleMesh& mesh, const Progress& progress = Progres
 
 /// "3 pairs of faces cross".
 std::string crossingsOf(const MeshFacts& facts);
+
+/// "edges split at 84 points in them".
+std::string splitsOf(const MeshFacts& facts);
 
 /// Warnings about a mesh, a sentence each; empty for a good one.
 std::vector<std::string> meshWarnings(const MeshFacts& facts);

@@ -263,6 +263,7 @@ TEST_CASE("mesh links: triangles that end on the edge of a larger one are joined
         };
         TriangleMesh mesh = test::together(part(0, 1), part(12, 3));
         weld(mesh);
+        splitAtJunctions(mesh);
         const auto seed = motion({3, 5, 0}), target = motion({21, 7, 0});
         const Band band = bandFromMesh(mesh, 1, test::kHalfWidth);
         const Field field = marchJet(band, nullptr, {nearestSurfacePoint(band, seed)});

@@ -12,9 +12,7 @@
 
 namespace igeo {
 
-/// Adjacency of triangles: through edges of any number of triangles, and along boundary edges of
-/// which one lies on the other, as where a corner of small triangles ends on the edge of a large
-/// one.
+/// Adjacency of triangles through edges of any number of triangles.
 class MeshAdjacency {
 public:
     /// @param mesh, topology  must outlive it
@@ -30,25 +28,21 @@ public:
         const Vec3d& a = corner(t, 0);
         return normalized(cross(corner(t, 1) - a, corner(t, 2) - a));
     }
-    bool mayJoin(std::uint32_t t, std::uint32_t u) const { return component_[t] == component_[u]; }
+    bool mayJoin(std::uint32_t t, std::uint32_t u) const {
+        return componentOf(t) == componentOf(u);
+    }
     /// Calls visit(u) for the triangles beyond the edge from corner k of triangle t to the next
     /// corner.
     template <typename Visit>
     void forBeyond(std::uint32_t t, std::size_t k, const Visit& visit) const {
         const std::uint32_t u = topology_.neighbor[t][k];
         if (u < MeshTopology::kMany) return visit(u);
-        if (u == MeshTopology::kNone) {
-            const Side side{t, std::uint32_t(k)};
-            auto at = std::lower_bound(seams_.begin(), seams_.end(), Seam(side, 0));
-            for (; at != seams_.end() && at->first == side; ++at) visit(at->second);
-            return;
-        }
+        if (u == MeshTopology::kNone) return;
         for (auto at = firstAtEdge(t, k); at != many_.end() && at->first == edge(t, k); ++at)
             if (at->second != t) visit(at->second);
     }
-    /// The number of components, joined through all adjacencies and numbered from 0.
-    std::size_t components() const { return components_; }
-    std::uint32_t componentOf(std::uint32_t t) const { return component_[t]; }
+    std::size_t components() const { return topology_.components; }
+    std::uint32_t componentOf(std::uint32_t t) const { return topology_.component[t]; }
     bool isBoundary(std::uint32_t t, std::size_t k) const {
         return topology_.neighbor[t][k] == MeshTopology::kNone;
     }
@@ -64,16 +58,6 @@ public:
 private:
     using Edge = std::pair<std::uint32_t, std::uint32_t>;
     using AtEdge = std::pair<Edge, std::uint32_t>;
-    using Side = std::pair<std::uint32_t, std::uint32_t>;  ///< triangle and edge
-    using Seam = std::pair<Side, std::uint32_t>;
-
-    void findSeams();
-    /// Whether one of two segments lies on the other, or they overlap.
-    bool overlap(const Side& a, const Side& b, double tolerance) const;
-    void numberComponents();
-    const Vec3d& end(const Side& side, std::size_t which) const {
-        return mesh_.points[mesh_.triangles[side.first][(side.second + which) % 3]];
-    }
 
     Edge edge(std::uint32_t t, std::size_t k) const {
         return std::minmax({mesh_.triangles[t][k], mesh_.triangles[t][(k + 1) % 3]});
@@ -82,9 +66,6 @@ private:
 
     const TriangleMesh& mesh_;
     const MeshTopology& topology_;
-    std::vector<Seam> seams_;  ///< triangles beyond boundary edges, sorted
-    std::vector<std::uint32_t> component_;
-    std::size_t components_ = 0;
     std::vector<AtEdge> many_;  ///< triangles at edges of three or more, sorted
 };
 
