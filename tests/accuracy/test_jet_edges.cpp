@@ -83,6 +83,7 @@ struct Notch {
         const igeo::Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, origin{};
         quad(-kSide * x, x, y), quad(-kSide * (x + y), x, y), quad(-kSide * y, x, y);
         quad(-kSide * z, y, z), quad(origin, x, -z);
+        weld(mesh);
         return mesh;
     }
     /// From the seed to a point of the top: straight over one wall or over both, laid out in the

@@ -35,7 +35,7 @@ bool crosses(const std::vector<Vec2d>& polygon, const Vec2d& p, const Vec2d& q) 
     return to > from;
 }
 
-/// The distance of two points around a hole: the shorter way around the convex hull of all three.
+/// The distance of two points around a hole: the shorter path around the convex hull of all three.
 double around(const std::vector<Vec2d>& hole, const Vec2d& p, const Vec2d& q) {
     if (!crosses(hole, p, q)) return length(q - p);
     std::vector<Vec2d> points = hole, hull;

@@ -35,12 +35,13 @@ public:
     explicit Junctions(const TriangleMesh& mesh)
         : mesh_(mesh), tolerance_(TriangleMesh::kSame * length(Box(mesh.points).size())) {
         std::vector<std::pair<std::uint32_t, std::uint32_t>> sides;  // triangle, corner
-        forEdges(mesh, [&](const HalfEdge* first, const HalfEdge* last) {
-            if (last - first != 1) return;
-            sides.emplace_back(first->triangle, first->corner);
-            along_.emplace_back(first->low, first->high);
-            along_.emplace_back(first->high, first->low);
-        });
+        forEdges(mesh.points.size(), mesh.triangles,
+                 [&](const HalfEdge* first, const HalfEdge* last) {
+                     if (last - first != 1) return;
+                     sides.emplace_back(first->triangle, first->corner);
+                     along_.emplace_back(first->low, first->high);
+                     along_.emplace_back(first->high, first->low);
+                 });
         std::sort(along_.begin(), along_.end());
         std::vector<Vec3d> ends;
         for (std::size_t k = 0; k < along_.size(); ++k) {

@@ -106,21 +106,22 @@ private:
     /// no cycle. The smaller part is flipped.
     void joinAtManyEdges() {
         DisjointSets joined(members_.size());
-        forEdges(mesh_, [&](const HalfEdge* first, const HalfEdge* last) {
-            for (const HalfEdge* e = first; last - first > 2 && e + 1 < last; ++e) {
-                std::uint32_t a = joined.first(patch_[e[0].triangle]),
-                              b = joined.first(patch_[e[1].triangle]);
-                if (a == b) continue;
-                if (members_[a].size() < members_[b].size()) std::swap(a, b);
-                const bool alike = (e[0].up != turns_.turned[e[0].triangle]) ==
-                                   (e[1].up != turns_.turned[e[1].triangle]);
-                if (alike) turnOver(members_[b]);
-                members_[a].insert(members_[a].end(), members_[b].begin(), members_[b].end());
-                std::vector<std::uint32_t>().swap(members_[b]);
-                joined.join(a, b);
-                members_[joined.first(a)].swap(members_[a]);
-            }
-        });
+        forEdges(
+            mesh_.points.size(), mesh_.triangles, [&](const HalfEdge* first, const HalfEdge* last) {
+                for (const HalfEdge* e = first; last - first > 2 && e + 1 < last; ++e) {
+                    std::uint32_t a = joined.first(patch_[e[0].triangle]),
+                                  b = joined.first(patch_[e[1].triangle]);
+                    if (a == b) continue;
+                    if (members_[a].size() < members_[b].size()) std::swap(a, b);
+                    const bool alike = (e[0].up != turns_.turned[e[0].triangle]) ==
+                                       (e[1].up != turns_.turned[e[1].triangle]);
+                    if (alike) turnOver(members_[b]);
+                    members_[a].insert(members_[a].end(), members_[b].begin(), members_[b].end());
+                    std::vector<std::uint32_t>().swap(members_[b]);
+                    joined.join(a, b);
+                    members_[joined.first(a)].swap(members_[a]);
+                }
+            });
     }
 
     bool runsAlike(std::uint32_t t, std::uint32_t u, std::size_t k) const {
@@ -201,7 +202,7 @@ MeshTopology meshTopology(const TriangleMesh& mesh) {
     MeshTopology topology;
     topology.neighbor.assign(mesh.triangles.size(), {kNone, kNone, kNone});
     DisjointSets joined(mesh.triangles.size());
-    forEdges(mesh, [&](const HalfEdge* first, const HalfEdge* last) {
+    forEdges(mesh.points.size(), mesh.triangles, [&](const HalfEdge* first, const HalfEdge* last) {
         topology.boundaryEdges += last - first == 1;
         topology.nonManifoldEdges += last - first > 2;
         for (const HalfEdge* e = first + 1; e < last; ++e)

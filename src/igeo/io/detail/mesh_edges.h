@@ -1,9 +1,8 @@
 /// The edges of a triangle mesh, with the triangles on them. Internal.
 #pragma once
 
-#include <igeo/io/triangle_mesh.h>
-
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
@@ -25,23 +24,25 @@ struct HalfEdge {
 };
 
 /// Calls visit(first, last) for the half-edges of each edge, ordered by triangle.
+/// @param points  their number
 template <typename Visit>
-void forEdges(const TriangleMesh& mesh, const Visit& visit) {
+void forEdges(std::size_t points, const std::vector<std::array<std::uint32_t, 3>>& triangles,
+              const Visit& visit) {
     // Sorted by their lower point first, which needs no comparisons.
-    std::vector<std::size_t> place(mesh.points.size() + 1);
+    std::vector<std::size_t> place(points + 1);
     auto forSides = [&](const auto& see) {
-        for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (std::size_t t = 0; t < triangles.size(); ++t)
             for (std::uint32_t k = 0; k < 3; ++k) {
-                const std::uint32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
+                const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
                 see(HalfEdge{std::min(a, b), std::max(a, b), std::uint32_t(t), k, a < b});
             }
     };
     forSides([&](const HalfEdge& h) { ++place[h.low + 1]; });
     std::partial_sum(place.begin(), place.end(), place.begin());
-    std::vector<HalfEdge> half(3 * mesh.triangles.size());
+    std::vector<HalfEdge> half(3 * triangles.size());
     forSides([&](const HalfEdge& h) { half[place[h.low]++] = h; });
     std::size_t first = 0;
-    for (std::size_t point = 0; point < mesh.points.size(); first = place[point++])
+    for (std::size_t point = 0; point < points; first = place[point++])
         std::sort(half.begin() + std::ptrdiff_t(first),
                   half.begin() + std::ptrdiff_t(place[point]));
     for (std::size_t begin = 0, end; begin < half.size(); begin = end) {

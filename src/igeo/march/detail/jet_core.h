@@ -9,7 +9,7 @@
 #include <igeo/band/tangent_frame.h>
 #include <igeo/march/detail/jet_link.h>
 #include <igeo/march/detail/jet_neighbors.h>
-#include <igeo/march/detail/jet_rims.h>
+#include <igeo/march/detail/jet_rim.h>
 #include <igeo/metric/metric.h>
 
 #include <algorithm>

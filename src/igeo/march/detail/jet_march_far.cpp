@@ -168,7 +168,7 @@ NodeIndex JetMarch::nodeAlong(NodeIndex i, Vec3f direction, float far) const {
 
 bool JetMarch::isConfirmedBehind(NodeIndex i, const JetGroup::Solution& s, float sameWay) const {
     constexpr float kFar = 2;      // voxels
-    constexpr float kOff = 0.02f;  // of the way to the node
+    constexpr float kOff = 0.02f;  // of the chord to the node
     const LocalFrame local = core_.localFrame(i);
     const Vec2f ahead = local.stretch.vectorBack(s.g);
     const NodeIndex j = nodeAlong(i, local.frame.lift((-1 / length(ahead)) * ahead), kFar);

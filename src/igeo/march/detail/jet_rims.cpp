@@ -1,4 +1,4 @@
-#include <igeo/march/detail/jet_rims.h>
+#include <igeo/march/detail/jet_rim.h>
 
 #include <igeo/band/detail/open_sector.h>
 #include <igeo/march/detail/jet_core.h>
