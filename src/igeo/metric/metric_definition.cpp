@@ -41,13 +41,14 @@ MetricPtr metricOn(const MetricDefinition& d, const Band& band, Progress& progre
             curvatureWeights(curved, d.curvature->kind, d.curvature->epsilon, d.curvature->power));
     for (const std::vector<double>& weights : d.vertexWeights)
         metric->multiply(sampleVertexWeights(weights, band, progress));
-    if (d.slope) metric->multiply(slopeWeights(band, *d.slope));
+    SlopeCosts slopes;
+    if (d.slope) slopes = slopeCosts(band, *d.slope), metric->multiply(slopes.weights);
     for (const std::vector<float>& weights : d.nodeWeights) {
         requireNodes(weights.size(), band);
         metric->multiply(weights);
     }
     if (!d.nodeWeights.empty() || !d.nodeTensors.empty()) metric->check(band);
-    metric->setObstacles(band, d.slope ? steepObstacles(band, *d.slope, d.obstacles) : d.obstacles);
+    metric->setObstacles(band, either(slopes.steep, d.obstacles));
     return metric;
 }
 

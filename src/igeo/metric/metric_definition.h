@@ -39,7 +39,7 @@ struct MetricDefinition {
 
 /// The metric on a band; null where it is Euclidean.
 /// @throws Error  as sampleWeight, sampleVertexWeights, sampleTensor, curvature, curvatureWeights,
-///         curvatureTensor, slopeWeights; InvalidArgument for costs per node of another band, and
+///         curvatureTensor, slopeCosts; InvalidArgument for costs per node of another band, and
 ///         for such a cost out of its range (Metric::check)
 /// Time O(n), in parallel.
 MetricPtr metricOn(const MetricDefinition& definition, const Band& band,

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 namespace igeo {
 
@@ -133,6 +134,21 @@ bool maskBlocks(const VoxelSet& mask, const IndexMap& map, const Vec3d& a, const
         if (stripMeets(mask, from + (k + 0.5) * step, 0.5 * step, v)) return true;
     return false;
 }
+
+class EitherObstacle final : public Obstacles {
+public:
+    EitherObstacle(std::shared_ptr<const Obstacles> a, std::shared_ptr<const Obstacles> b)
+        : a_(std::move(a)), b_(std::move(b)) {}
+    bool block(const Vec3d& a, const Vec3d& b, const Vec3d& normal) const override {
+        return a_->block(a, b, normal) || b_->block(a, b, normal);
+    }
+    bool mayBeNear(const Vec3d& p, double radius) const override {
+        return a_->mayBeNear(p, radius) || b_->mayBeNear(p, radius);
+    }
+
+private:
+    std::shared_ptr<const Obstacles> a_, b_;
+};
 
 }  // namespace
 
@@ -352,6 +368,12 @@ bool ObstacleSet::block(const Vec3d& oneEnd, const Vec3d& otherEnd, const Vec3d&
     for (const auto& patch : patches_)
         if (patchBlocks(patch, a, b, normal)) return true;
     return false;
+}
+
+std::shared_ptr<const Obstacles> either(std::shared_ptr<const Obstacles> a,
+                                        std::shared_ptr<const Obstacles> b) {
+    if (!a || !b) return a ? a : b;
+    return std::make_shared<EitherObstacle>(std::move(a), std::move(b));
 }
 
 }  // namespace igeo

@@ -121,4 +121,8 @@ private:
     bool everywhere_ = false;         ///< a level set blocks everything far away
 };
 
+/// What blocks by either of two; null stands for none.
+std::shared_ptr<const Obstacles> either(std::shared_ptr<const Obstacles> a,
+                                        std::shared_ptr<const Obstacles> b);
+
 }  // namespace igeo

@@ -70,14 +70,16 @@ public:
         if (band.triangles) return;
         bend_.resize(band.size());
         forNodes([&](NodeIndex i) { bend_[i] = bendAt(i); });
+        gentler_.resize(band.size());
+        forNodes([&](NodeIndex i) { gentler_[i] = besideEdge(i); });
     }
 
     double at(NodeIndex i) const {
-        return band_.triangles ? onMesh(i) : std::max(slopeAt(i), besideEdge(i));
+        return band_.triangles ? onMesh(i) : std::max(slopeAt(i), gentler_[i]);
     }
-    /// The slope of the gentler side of an edge at a node of a level set or of points; 0 where
+    /// The slope of the gentler side of an edge at each node of a level set or of points; 0 where
     /// there is no edge.
-    double besideEdge(NodeIndex i) const;
+    const std::vector<double>& gentlerSides() const { return gentler_; }
     template <typename Visit>
     void forNodes(const Visit& visit) const {
         parallelFor(band_.size(), 4096, [&](std::size_t begin, std::size_t end) {
@@ -99,10 +101,12 @@ private:
     }
     /// By how much the normal turns per voxel, from a node to its neighbors.
     float bendAt(NodeIndex i) const;
+    double besideEdge(NodeIndex i) const;
 
     const Band& band_;
     const Vec3d up_;
-    std::vector<float> bend_;  ///< per node; empty on a mesh
+    std::vector<float> bend_;      ///< bendAt; empty on a mesh
+    std::vector<double> gentler_;  ///< gentlerSides; empty on a mesh
 };
 
 float Slopes::bendAt(NodeIndex i) const {
@@ -145,12 +149,11 @@ double Slopes::besideEdge(NodeIndex i) const {
 /// sides that are.
 class SteepNormals final : public Obstacles {
 public:
-    SteepNormals(const Band& band, const Vec3d& up, double steepest)
+    SteepNormals(const Band& band, const Slopes& slopes, const Vec3d& up, double steepest)
         : up_(up), leastCosine_(std::cos(steepest) - kRounding) {
-        const Slopes slopes(band, up);
         const double most = std::tan(steepest);
         for (NodeIndex i = 0; i < band.size(); ++i)
-            if (slopes.besideEdge(i) > most) edges_.push_back(voxelAt(band.footPoint(i)));
+            if (slopes.gentlerSides()[i] > most) edges_.push_back(voxelAt(band.footPoint(i)));
         std::sort(edges_.begin(), edges_.end());
     }
 
@@ -173,22 +176,6 @@ private:
     std::vector<Voxel> edges_;
 };
 
-/// What blocks by either of two.
-class EitherObstacle final : public Obstacles {
-public:
-    EitherObstacle(std::shared_ptr<const Obstacles> a, std::shared_ptr<const Obstacles> b)
-        : a_(std::move(a)), b_(std::move(b)) {}
-    bool block(const Vec3d& a, const Vec3d& b, const Vec3d& normal) const override {
-        return a_->block(a, b, normal) || b_->block(a, b, normal);
-    }
-    bool mayBeNear(const Vec3d& p, double radius) const override {
-        return a_->mayBeNear(p, radius) || b_->mayBeNear(p, radius);
-    }
-
-private:
-    std::shared_ptr<const Obstacles> a_, b_;
-};
-
 /// Null where nothing of a mesh is too steep.
 std::shared_ptr<const Obstacles> steepTriangles(const Band& band, const Vec3d& up,
                                                 double steepest) {
@@ -209,28 +196,21 @@ std::shared_ptr<const Obstacles> steepTriangles(const Band& band, const Vec3d& u
 
 }  // namespace
 
-std::vector<float> slopeWeights(const Band& band, const SlopeWeight& slope) {
-    check(slope);
-    const Slopes slopes(band, upInIndex(band.transform, slope.up));
-    const double most = std::tan(slope.steepest);
-    std::vector<float> weights(band.size());
-    slopes.forNodes([&](NodeIndex i) {
-        weights[i] = float(1 + std::pow(std::min(slopes.at(i) / most, 1.0), slope.power));
-    });
-    return weights;
-}
-
-std::shared_ptr<const Obstacles> steepObstacles(const Band& band, const SlopeWeight& slope,
-                                                std::shared_ptr<const Obstacles> others) {
+SlopeCosts slopeCosts(const Band& band, const SlopeWeight& slope) {
     check(slope);
     const Vec3d up = upInIndex(band.transform, slope.up);
-    std::shared_ptr<const Obstacles> steep;
+    const Slopes slopes(band, up);
+    const double most = std::tan(slope.steepest);
+    SlopeCosts costs;
+    costs.weights.resize(band.size());
+    slopes.forNodes([&](NodeIndex i) {
+        costs.weights[i] = float(1 + std::pow(std::min(slopes.at(i) / most, 1.0), slope.power));
+    });
     if (band.triangles)
-        steep = steepTriangles(band, up, slope.steepest);
+        costs.steep = steepTriangles(band, up, slope.steepest);
     else
-        steep = std::make_shared<SteepNormals>(band, up, slope.steepest);
-    if (!steep || !others) return steep ? steep : others;
-    return std::make_shared<EitherObstacle>(std::move(steep), std::move(others));
+        costs.steep = std::make_shared<SteepNormals>(band, slopes, up, slope.steepest);
+    return costs;
 }
 
 }  // namespace igeo

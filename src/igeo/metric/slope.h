@@ -20,17 +20,16 @@ struct SlopeWeight {
     bool operator==(const SlopeWeight&) const = default;
 };
 
-/// The weight per band node; where it is too steep, 2. On a mesh by its triangles; at an edge by
-/// the least of those that meet there. On level sets and points by the normal, but at an edge,
-/// which voxels round off, no less than the gentler side has. Time O(n), in parallel.
-/// @throws Error  InvalidArgument for a field out of its range
-std::vector<float> slopeWeights(const Band& band, const SlopeWeight& slope);
-
-/// The obstacle of parts that are too steep, joined with `others`: on a mesh its steep triangles
-/// (ObstacleSet::addTriangles), else where the normal of the surface is, or both sides of an edge.
-/// @param others  may be null
-/// @return null where nothing is too steep, and there are no others
-std::shared_ptr<const Obstacles> steepObstacles(const Band& band, const SlopeWeight& slope,
-                                                std::shared_ptr<const Obstacles> others);
+/// What slopes cost on a band.
+struct SlopeCosts {
+    std::vector<float> weights;              ///< per node; where it is too steep, 2
+    std::shared_ptr<const Obstacles> steep;  ///< the parts that are too steep; null: none
+};
+/// Weights by the triangles of a mesh; at an edge by the gentlest of those that meet there. On
+/// level sets and points by the normal, but at an edge, which voxels round off, no less than the
+/// gentler side has. The obstacle: the steep triangles of a mesh (ObstacleSet::addTriangles), else
+/// where the normal is too steep, or both sides of an edge are. Time O(n), in parallel.
+/// @throws Error  InvalidArgument for a field of `slope` out of its range
+SlopeCosts slopeCosts(const Band& band, const SlopeWeight& slope);
 
 }  // namespace igeo
