@@ -453,7 +453,9 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
         if (const JetRows::Row& row = group.rows.of[lane]; mayGoRound(i, row, s))
             s = overTwoLinks(i, row, batch, s);
         if (const JetRows::Row& row = group.rows.of[lane];
-            group.overCrease[lane] && isMisplaced(i, row, s))
+            (group.overCrease[lane] ||
+             (core_.nodes[i].facing & Band::kStretched && !s.usedFallback)) &&
+            isMisplaced(i, row, s))
             s = solveByWalks(i, row, s);
         if (!isotropic_) s.g = core_.stretch[i].covectorBack(s.g);
         settle(lane, group, {s.u * group.weight[lane], s.g, s.source, s.usedFallback, s.frontsMeet},

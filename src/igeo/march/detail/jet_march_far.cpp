@@ -16,7 +16,8 @@ JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, 
                                           JetGroup::Solution s) const {
     if (core_.band.triangles) return walkTwoLinks(i, row, s);
     constexpr float kAlike = 0.2f;
-    constexpr double kOff = 0.15;  // voxels
+    constexpr float kShorter = 0.25f;  // voxels: than its chord no unfolded line is
+    constexpr double kOff = 0.15;      // voxels
     const JetNode& here = core_.nodes[i];
     const TangentFrame frame(here.normal, core_.band.faceted);
     const Ijk voxel = core_.voxelOf(here);
@@ -25,13 +26,15 @@ JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, 
     for (std::size_t k = 0; k < row.knownCount; ++k)
         least = std::min(least, valueIn(batch, row.knownLink(k).node()) / here.weight);
     const auto lower = [&](NodeIndex k) {
-        if (!(valueIn(batch, k) / here.weight < s.u)) return;
+        const float value = valueIn(batch, k) / here.weight;
+        if (!(value < s.u)) return;
         const JetNode& other = core_.nodes[k];
         const float cosine = dot(here.normal, other.normal);
         if (cosine < kAlike || other.obstacleState != Metric::Clear) return;
         const Vec3f chord = here.foot - other.foot - Vec3f(core_.voxelOf(other) - voxel);
+        if (!(value + length(chord) < s.u + kShorter)) return;
         const Vec2f a = frame.unfold(chord, other.normal, cosine);
-        const float len = length(a), u = valueIn(batch, k) / here.weight + len;
+        const float len = length(a), u = value + len;
         if (!(u > least && u < s.u && len > 0) ||
             !staysNearPsi(core_.band, core_.footOf(here), -Vec3d(chord), 3, kOff))
             return;

@@ -159,6 +159,15 @@ private:
 
 bool isReadFromCore(const Field& field) { return field.jets && !field.metric->weighted(); }
 
+/// The arrivals at points that the core leaves.
+/// @param at  place of each of them
+void readAt(const Field& field, std::span<const Vec3d> points, std::span<const std::size_t> left,
+            std::span<const ReadPlace* const> at, Arrival* to) {
+    const KnownJets known(field, at);
+    for (std::size_t k = 0; k < left.size(); ++k)
+        to[left[k]] = arrivalAt(field, known, points[left[k]], *at[k]);
+}
+
 }  // namespace
 
 std::optional<Arrival> arrivalFromCore(const Field& field, const Vec3d& pIndex,
@@ -191,9 +200,7 @@ void ArrivalReader::read(std::span<const Vec3d> points, std::span<const Vec3f> s
     std::vector<const ReadPlace*> at;
     for (const std::size_t i : left)
         at.push_back(&places.emplace_back(field_, points[i], Vec3d(sheetNormals[i])));
-    const KnownJets known(field_, at);
-    for (std::size_t k = 0; k < left.size(); ++k)
-        to[left[k]] = arrivalAt(field_, known, points[left[k]], places[k]);
+    readAt(field_, points, left, at, to);
 }
 
 std::vector<std::size_t> ArrivalReader::readFromCore(std::span<const Vec3d> points,
@@ -250,11 +257,9 @@ std::vector<Arrival> SharedPoints::read(const Field& field) const {
     std::vector<Arrival> arrivals(point_.size());
     const std::vector<std::size_t> left =
         ArrivalReader(field, point_.size()).readFromCore(point_, normal_, arrivals.data());
-    std::vector<const ReadPlace*> places;
-    for (const std::size_t i : left) places.push_back(&placeOf(field, i));
-    const KnownJets known(field, places);
-    for (std::size_t k = 0; k < left.size(); ++k)
-        arrivals[left[k]] = arrivalAt(field, known, point_[left[k]], *places[k]);
+    std::vector<const ReadPlace*> at;
+    for (const std::size_t i : left) at.push_back(&placeOf(field, i));
+    readAt(field, point_, left, at, arrivals.data());
     return arrivals;
 }
 
