@@ -15,13 +15,14 @@ namespace igeo {
 /// points and normals of the nodes around: third order between nodes.
 ///
 /// On a mesh it walks over the triangles laid flat, and past a vertex with equal angles on both
-/// sides: exact to rounding (TriangleWalk).
+/// sides: exact to rounding (TriangleWalk). From an edge or a vertex it goes on as if it came over
+/// the triangle in whose plane the direction lies.
 /// @param direction index space; only its part along S is used, whatever its length
 /// @param length    voxels, >= 0; weights and obstacles have no effect
-/// @return status Reached: the full length. Stalled: S ended at the edge of the band, after
-///         Path::length. `target` is the start; the vertices' `distance` is their arc length, as is
-///         Path::distance. Vertices are on S as described. Of a level set, `roundedBends` counts
-///         the sharp bends that were not unfolded, `closeCorners` the edges crossed beside a corner
+/// @return status Reached: the full length. Stalled: S ended, after Path::length. `target` is the
+///         start; the vertices' `distance` is their arc length, as is Path::distance. Vertices are
+///         on S as described. Of a level set, `roundedBends` counts the sharp bends that were not
+///         unfolded, `closeCorners` the edges crossed beside a corner
 /// @throws Error  InvalidArgument for a direction within 0.6 degrees of the normal, or a length
 ///         that is negative or not finite; BadInput where S has no band around the start; Cancelled
 /// Time O(length), some 4 microseconds per voxel, up to a millisecond near creases. Error:
