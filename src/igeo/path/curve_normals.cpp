@@ -1,57 +1,49 @@
 #include <igeo/path/curve_normals.h>
 
+#include <igeo/base/nearest_on_triangle.h>
 #include <igeo/path/detail/walker.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <vector>
 
 namespace igeo {
 
 namespace {
 
-using Side = SurfaceTriangles::Side;
 using Place = SurfaceTriangles::Place;
 
 constexpr double kAlmostOn = 1e-6;  // voxels: a point this close is on an edge or a vertex
 
-/// The corner of a triangle at a point; 3: none.
-unsigned cornerAt(const SurfaceTriangles& triangles, std::uint32_t t, const Vec3d& p) {
-    unsigned k = 0;
-    while (k < 3 && length(triangles.corner(t, k) - p) > kAlmostOn) ++k;
-    return k;
+/// Whether a triangle has no certain plane: a vertex lies in its edge, but for rounding.
+bool isNarrow(const SurfaceTriangles& triangles, std::uint32_t t, double width) {
+    const Vec3d ab = triangles.corner(t, 1) - triangles.corner(t, 0),
+                ac = triangles.corner(t, 2) - triangles.corner(t, 0);
+    return !(length(cross(ab, ac)) > width * std::max({length(ab), length(ac), length(ac - ab)}));
 }
 
-/// The edge of a triangle at a point, as its first corner; 3: none.
-unsigned edgeAt(const SurfaceTriangles& triangles, std::uint32_t t, const Vec3d& p) {
-    unsigned k = 0;
-    for (; k < 3; ++k) {
-        const Vec3d a = triangles.corner(t, k), e = triangles.corner(t, k + 1) - a;
-        if (length(cross(e, p - a)) <= kAlmostOn * length(e)) break;
-    }
-    return k;
-}
-
-/// A triangle's normal times its angle at a corner.
-Vec3d byAngle(const SurfaceTriangles& triangles, std::uint32_t t, unsigned corner) {
-    return triangles.angle(t, corner) * triangles.normal(t);
-}
-
-/// The sum around a vertex, in both directions from one of its triangles, across edges that join
-/// two.
-Vec3d sumAround(const SurfaceTriangles& triangles, std::uint32_t t, unsigned corner) {
-    constexpr int kMost = 10000;
-    const std::uint32_t vertex = triangles[t][corner];
-    Vec3d sum = byAngle(triangles, t, corner);
-    for (const unsigned first : {corner, (corner + 2) % 3}) {
-        Side side{t, first};
-        for (int k = 0; k < kMost; ++k) {
-            const auto beyond = triangles.beyond(side);
-            if (!beyond) break;
-            if (beyond->triangle == t) return sum;
-            const SurfaceTriangles::Triangle& next = triangles[beyond->triangle];
-            const unsigned at = next[0] == vertex ? 0 : next[1] == vertex ? 1 : 2;
-            sum += byAngle(triangles, beyond->triangle, at);
-            side = {beyond->triangle, beyond->corner == at ? (at + 2) % 3 : at};
+/// The sum of the normals at a point, weighted by the angles that triangles have there, over edges
+/// that join two. Narrow triangles do not count, and the point is on both sides of them.
+/// @param t  the triangle of the point
+Vec3d sumAround(const SurfaceTriangles& triangles, std::uint32_t t, const Vec3d& p) {
+    constexpr double kNarrow = 1e-4, kPi = std::numbers::pi;  // voxels
+    constexpr std::size_t kMost = 1000;
+    std::vector<std::uint32_t> around{t};
+    Vec3d sum;
+    for (std::size_t i = 0; i < around.size() && i < kMost; ++i) {
+        const std::uint32_t u = around[i];
+        const bool narrow = isNarrow(triangles, u, kNarrow);
+        double angle = kPi;
+        for (unsigned k = 0; k < 3; ++k) {
+            const Vec3d a = triangles.corner(u, k), b = triangles.corner(u, k + 1);
+            if (length(p - a) <= kAlmostOn) angle = triangles.angle(u, k);
+            if (distanceToSegment(p, a, b) > (narrow ? kNarrow : kAlmostOn)) continue;
+            const auto beyond = triangles.beyond({u, k});
+            if (beyond && std::find(around.begin(), around.end(), beyond->triangle) == around.end())
+                around.push_back(beyond->triangle);
         }
+        if (!narrow) sum += angle * triangles.normal(u);
     }
     return sum;
 }
@@ -65,15 +57,8 @@ Vec3d normalOnTriangles(const SurfaceTriangles& triangles, const Vec3d& p,
         if (const Place any = triangles.nearest(p, kFarthest); any.squared <= kAlmostOn * kAlmostOn)
             at = any;
     if (at.triangle == SurfaceTriangles::kNone) return sheetNormal;
-    const Vec3d own = triangles.normal(at.triangle);
-    Vec3d sum = own;
-    if (const unsigned corner = cornerAt(triangles, at.triangle, at.point); corner < 3) {
-        sum = sumAround(triangles, at.triangle, corner);
-    } else if (const unsigned edge = edgeAt(triangles, at.triangle, at.point); edge < 3) {
-        if (const auto beyond = triangles.beyond({at.triangle, edge}))
-            sum += triangles.normal(beyond->triangle);
-    }
-    return length(sum) > kCancelled ? normalized(sum) : own;
+    const Vec3d sum = sumAround(triangles, at.triangle, at.point);
+    return length(sum) > kCancelled ? normalized(sum) : triangles.normal(at.triangle);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // Walks over meshes against an exact walk: triangles laid flat along the line, in long double.
+#include <igeo/path/curve_normals.h>
 #include <igeo/path/exponential_map.h>
 #include <igeo/surface/mesh_band.h>
 #include <support/catch.h>
@@ -412,6 +413,27 @@ TEST_CASE("shoot: from edges and vertices as if it came to them over the plane o
                 CHECK(length(end(from, 0.7) - end(before, 0.75)) < 1e-9);
             }
     }
+}
+
+TEST_CASE("normalAt: on triangles without area that of the faces beside them", "[mesh]") {
+    const TriangleMesh box = test::boxMesh({1, 0.7, 0.5});
+    const Band plain = bandFromMesh(box, 1.0 / 24, test::kHalfWidth);
+    double worst = 0;
+    for (const double off : {0.0, 1e-12, 1e-8}) {
+        Random random(7);
+        const Band band = bandFromMesh(withSlivers(box, random, off), 1.0 / 24, test::kHalfWidth);
+        for (int n = 0; n < 40; ++n) {
+            const Vec3d from{uniform(random, 0.1, 0.9), uniform(random, 0.1, 0.6), 0.5},
+                along{uniform(random, -1, 1), uniform(random, -1, 1), 0};
+            const SurfacePoint start =
+                nearestSurfacePoint(band, band.transform.indexFromWorld(from));
+            for (const PathVertex& v : shoot(band, start, along, 50).vertices)
+                worst = std::max(worst,
+                                 angleBetween(normalAt(band, v.pIndex), normalAt(plain, v.pIndex)));
+        }
+    }
+    std::printf("normals on triangles without area: off by %.2g\n", worst);
+    CHECK(worst < 1e-7);  // measured 6.4e-8; before, 180 degrees
 }
 
 }  // namespace
