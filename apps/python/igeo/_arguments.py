@@ -14,7 +14,7 @@ from . import _igeo
 from ._errors import InputError
 
 Floats = NDArray[np.float64]
-Path = Union[str, "os.PathLike[str]"]
+Path = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
 Progress = Optional[Callable[[str, float], Any]]
 # A function from foot points, shape (n, 3), to a value for each.
 OfPoints = Callable[[Floats], ArrayLike]
@@ -154,12 +154,46 @@ def vector(value: Any, name: str) -> Floats:
     return finite(values, name)
 
 
+def _as_float(value: Any, name: str, allowed: str) -> float:
+    try:
+        if not isinstance(value, (str, bytes)):
+            return float(value)
+    except (TypeError, ValueError, OverflowError):
+        pass
+    raise InputError(f"{name} is {value!r}; allowed are {allowed}")
+
+
+def real(value: Any, name: str) -> float:
+    """A finite number of any sign."""
+    x = _as_float(value, name, "finite numbers")
+    if not math.isfinite(x):
+        raise InputError(f"{name} is {x:g}; allowed are finite numbers")
+    return x
+
+
+def is_integer(value: Any) -> bool:
+    """Whether it is one number without a fraction by its type; True and False are none."""
+    if isinstance(value, np.ndarray):
+        return value.ndim == 0 and value.dtype.kind in "iu"
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+
+
+def integer(value: Any, name: str, most: int = 2**31 - 1) -> int:
+    """From 1 to `most`."""
+    if not is_integer(value) or not 1 <= value <= most:
+        allowed = "1 and more" if most >= 2**31 - 1 else f"1 to {most}"
+        raise InputError(f"{name} is {value!r}; allowed are integers of {allowed}")
+    return int(value)
+
+
+def limit(value: Any, name: str) -> float:
+    """A number above 0, or infinity."""
+    return math.inf if isinstance(value, (float, np.floating)) and value == math.inf else number(value, name)
+
+
 def number(value: Any, name: str, above: float = 0.0) -> float:
     """A finite number above a bound."""
-    try:
-        x = float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{name} is {value!r}; allowed are numbers above {above:g}") from None
+    x = _as_float(value, name, f"numbers above {above:g}")
     if not (x > above and math.isfinite(x)):
         raise InputError(f"{name} is {x:g}; allowed are finite numbers above {above:g}")
     return x
@@ -270,8 +304,37 @@ def one_of(value: str, name: str, allowed: Sequence[str]) -> str:
     return value
 
 
+def text(value: Any, name: str) -> str:
+    """A name in a result or a message."""
+    if not isinstance(value, str):
+        raise InputError(f"{name} is {value!r}; allowed are strings")
+    if _has_controls(value):
+        raise InputError(f"{name} is {value!r}, which holds a control character", "take it out")
+    return value
+
+
+def _has_controls(value: str) -> bool:
+    return any(ord(c) < 32 or ord(c) == 127 for c in value)
+
+
 def path(value: Any, name: str) -> str:
+    """The name of a file: str, bytes or os.PathLike."""
     try:
-        return str(os.fspath(value))
+        found = os.fsdecode(value)
+        found.encode()
     except TypeError:
         raise InputError(f"{name} is {value!r}; allowed are names of files") from None
+    except UnicodeError:
+        raise InputError(f"{name} is {value!r}; allowed are names in UTF-8", "rename the file") from None
+    if not found or "\0" in found:
+        raise InputError(f"{name} is {value!r}; allowed are names of files")
+    return found
+
+
+def output(value: Any, name: str, ending: str) -> str:
+    """The name of a file to write, with its ending; a device or a pipe may have any name."""
+    found = text(path(value, name), name)
+    plain = os.path.isfile(found) or not os.path.exists(found)
+    if plain and not found.endswith(ending):
+        raise InputError(f"{name} is {found!r}; allowed are names that end in {ending}")
+    return found

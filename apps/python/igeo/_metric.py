@@ -26,7 +26,7 @@ Cost = Union[ArrayLike, OfPoints, Path]
 
 
 def _is_file(value: Any) -> bool:
-    return isinstance(value, (str, os.PathLike))
+    return isinstance(value, (str, bytes, os.PathLike))
 
 
 class MetricReader:

@@ -15,6 +15,7 @@ from ._errors import Error, InputError, warn
 from .surface import Surface
 
 Labels = NDArray[np.int32]
+_MOST_PIXELS = 16384
 
 
 class Isoline(NamedTuple):
@@ -183,7 +184,7 @@ class Distance:
         levels: distances, with seeds that are `signed` of any sign, else 0 or more; or an integer, that
         many levels that divide the range equally, on both sides of seeds that are signed.
         """
-        if isinstance(levels, (int, np.integer)):
+        if arguments.is_integer(levels):
             if levels < 1:
                 raise InputError(f"levels is {levels}; allowed are 1 and more, or an array of distances")
             values = self.largest * np.arange(1, levels + 1) / (levels + 1)
@@ -204,11 +205,11 @@ class Distance:
         return mesh if self._made.labeled else mesh._replace(labels=np.full_like(mesh.labels, -1))
 
     def to_vdb(self, path: Path, *, name: str = "") -> None:
-        """Writes a grid of the distances for OpenVDB, active where they are known.
+        """Writes a .vdb file with a grid of the distances, active where they are known.
 
         name: of the grid; by default the name of the surface with "_geodesic". Raises FileError.
         """
-        self._made.write_grid(arguments.path(path, "path"), name)
+        self._made.write_grid(arguments.output(path, "path", ".vdb"), arguments.text(name, "name"))
 
     def image(
         self,
@@ -225,22 +226,24 @@ class Distance:
         paths_from: Optional[ArrayLike] = None,
         progress: Progress = None,
     ) -> bytes:
-        """A picture as the bytes of a PNG file, which is written if `path` is given.
+        """A picture as the bytes of a PNG file, which is written if `path`, with the ending .png, is given.
 
         width, height: pixels. color_map: one of igeo.color_maps. spacing: of isolines, world units
         times weight; 0: none; None: a round one. eye, look_at: (3,), the camera and its target. up:
         (3,). paths_from: points or vertices whose paths are drawn.
         """
+        file = None if path is None else arguments.output(path, "path", ".png")
         options = _picture(color_map, spacing, up)
-        options.width, options.height = int(width), int(height)
+        options.width = arguments.integer(width, "width", _MOST_PIXELS)
+        options.height = arguments.integer(height, "height", _MOST_PIXELS)
         options.legend = bool(legend)
         if eye is not None:
             options.eye(arguments.vector(eye, "eye"))
         if look_at is not None:
             options.look_at(arguments.vector(look_at, "look_at"))
         png = self._made.picture(options, self._ends(paths_from), progress)
-        if path is not None:
-            _igeo.write_file(arguments.path(path, "path"), png)
+        if file is not None:
+            _igeo.write_file(file, png)
         return png
 
     def view(
@@ -253,12 +256,13 @@ class Distance:
         paths_from: Optional[ArrayLike] = None,
         progress: Progress = None,
     ) -> None:
-        """An interactive page of HTML for a browser, in one file that needs no network.
+        """An interactive page of HTML for a browser, in one .html file that needs no network.
 
         Options as of `image`. Raises Error where the library was built without three.js, FileError.
         """
+        file = arguments.output(path, "path", ".html")
         page = self._made.page(_picture(color_map, spacing, up), self._ends(paths_from), progress)
-        _igeo.write_file(arguments.path(path, "path"), page)
+        _igeo.write_file(file, page)
 
     def _ends(self, paths_from: Optional[ArrayLike]) -> Floats:
         return np.empty((0, 3)) if paths_from is None else self.surface._positions(paths_from, "paths_from")

@@ -77,6 +77,8 @@ class Solver:
             raise InputError(f"order is {order!r}; allowed are 1 and 2")
         if order is not None and scheme == "jet":
             raise InputError(f'order is {order!r} and scheme is "jet", which has no order; take scheme="godunov"')
+        if isinstance(obstacles, (list, tuple)) and len(obstacles) == 0:
+            obstacles = None
         self.surface = surface
         plain = _igeo.plain_solver(
             surface._made,
@@ -128,10 +130,10 @@ class Solver:
         if tensor is not None:
             reader.tensor(tensor)
         several = isinstance(obstacles, (list, tuple)) and not isinstance(obstacles, (Sphere, Box))
-        if several and obstacles and not all(isinstance(o, (bool, np.bool_)) for o in obstacles):
+        if several and not all(isinstance(o, (bool, np.bool_)) for o in obstacles):
             for k, one in enumerate(obstacles):
                 reader.obstacle(one, f"obstacles[{k}]")
-        elif obstacles is not None and not (several and not obstacles):
+        elif obstacles is not None:
             reader.obstacle(obstacles, "obstacles")
         return reader.metric.solver(progress)
 
@@ -145,10 +147,12 @@ class Solver:
         if isinstance(value, Mapping):
             starts = arguments.starts(start, len(value), "group")
             for (group, members), begin in zip(value.items(), starts):
+                self._refuse_mask_of_integers(arguments.array(members, f"{name}[{group!r}]"), f"{name}[{group!r}]")
                 positions = self.surface._positions(members, f"{name}[{group!r}]")
                 seeds.add_group(str(group), positions, np.full(len(positions), begin))
             return
         array = arguments.array(value, name)
+        self._refuse_mask_of_integers(array, name)
         if array.dtype.kind in "iu" and array.shape == (3,) and len(set(array.tolist())) < 3:
             raise InputError(
                 f"{name} is {array.tolist()}, a vertex twice",
@@ -165,6 +169,17 @@ class Solver:
             return
         positions = self.surface._positions(value, name)
         seeds.add_points(positions, arguments.starts(start, len(positions), "seed"))
+
+    def _refuse_mask_of_integers(self, array: Any, name: str) -> None:
+        """A region as 0 and 1 would be read as the vertices 0 and 1."""
+        vertices = self.surface._made.vertices
+        if vertices is None or array.dtype.kind not in "iu" or array.shape != (len(vertices),) or len(array) < 3:
+            return
+        if (array < 2).all() and (array >= 0).all():
+            raise InputError(
+                f"{name} has a 0 or 1 of dtype {array.dtype} for each of the {len(array)} vertices",
+                "give a region as bool, by astype(bool); give vertices by number, each once",
+            )
 
     def distance(
         self,
@@ -203,8 +218,7 @@ class Solver:
             closed = len(vertices) > 2 and bool((vertices[0] == vertices[-1]).all())
             asked.add_curve(vertices[:-1] if closed else vertices, closed)
         asked.signed = bool(signed)
-        if max_distance != math.inf:
-            max_distance = arguments.number(max_distance, "max_distance")
+        max_distance = arguments.limit(max_distance, "max_distance")
         ends = np.empty((0, 3)) if targets is None else self.surface._positions(targets, "targets")
         made = self._made.distance(asked, max_distance, ends, targets is not None, progress)
         self._warn(made.warnings, self._lost(made))
@@ -234,8 +248,7 @@ class Solver:
         if at is None:
             self._require_mesh("distances")
         points = None if at is None else self.surface._positions(at, "at")
-        if max_distance != math.inf:
-            max_distance = arguments.number(max_distance, "max_distance")
+        max_distance = arguments.limit(max_distance, "max_distance")
         look = not self._warned_of_lost
         rows, found, lost = self._made.distances(all_seeds, points, max_distance, look, progress)
         self._warn(found, lost)
@@ -332,15 +345,14 @@ class Solver:
         """Farthest-point sampling: `count` points, (count, 3), each as far as possible from those
         before it and from `seeds`. For the scheme "jet"."""
         self._require_jet("sample")
-        if not isinstance(count, (int, np.integer)) or count < 1:
-            raise InputError(f"count is {count!r}; allowed are integers of 1 and more")
+        wanted = arguments.integer(count, "count", 2**63 - 1)
         asked = _igeo.Seeds()
         if seeds is not None:
             self._add_seeds(asked, seeds, None, "seeds")
-        asked.samples = int(count)
+        asked.samples = wanted
         found = self._made.distance(asked, math.inf, np.empty((0, 3)), False, progress)
         self._warn(found.warnings, self._lost(found))
-        return found.seeds[-int(count) :]
+        return found.seeds[-wanted:]
 
     def shoot(
         self, start: ArrayLike, direction: ArrayLike, length: float, *, progress: Progress = None

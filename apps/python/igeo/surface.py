@@ -22,11 +22,9 @@ def _voxels(size: Optional[float], resolution: Optional[int], scheme: str, join_
     """The voxel size of a surface."""
     if size is not None and resolution is not None:
         raise InputError("voxel_size is given beside resolution", "leave out one of them")
-    if resolution is not None and (not isinstance(resolution, (int, np.integer)) or resolution < 1):
-        raise InputError(f"resolution is {resolution!r}; allowed are integers of 1 and more")
     return _igeo.Voxels(
         arguments.above_zero_or_none(size, "voxel_size"),
-        resolution or 0,
+        0 if resolution is None else arguments.integer(resolution, "resolution"),
         arguments.one_of(scheme, "scheme", _SCHEMES),
         arguments.above_zero_or_none(join_gaps, "join_gaps"),
     )
@@ -67,19 +65,32 @@ class Surface:
         iso: of a volume, the value at the surface; may be left out for a mask. With `rebuild`, of
             the grid.
         rebuild: compute a signed distance from a .vdb grid of other values.
-        voxel_size, resolution, join_gaps, scheme: as `from_mesh` and `from_points`.
+        voxel_size, resolution: as `from_mesh` and `from_points`; a level set has its own voxels.
+        join_gaps: of a mesh. scheme: of points.
         Raises FileError where the file cannot be read, InputError where it holds no such surface.
         """
         name = arguments.path(file, "file")
         kind = _igeo.kind_of(name) if kind is None else arguments.one_of(kind, "kind", _KINDS)
-        if grid and kind != "level set":
+        if arguments.text(grid, "grid") and kind != "level set":
             raise InputError(f"grid is given, and {name} is read as {kind}", "leave out grid")
         if iso is not None and kind != "volume" and not rebuild:
             raise InputError(f"iso is given, and {name} is read as {kind}", "leave out iso, or add rebuild=True")
         if rebuild and kind != "level set":
             raise InputError(f"rebuild is given, and {name} is read as {kind}", "leave out rebuild")
+        if kind == "level set" and (voxel_size is not None or resolution is not None):
+            given = "resolution" if voxel_size is None else "voxel_size"
+            raise InputError(
+                f"{given} is given, and {name} is read as {kind}", f"leave out {given}: a level set has its own voxels"
+            )
+        if join_gaps is not None and kind != "mesh":
+            raise InputError(f"join_gaps is given, and {name} is read as {kind}", "leave out join_gaps")
         voxels = _voxels(voxel_size, resolution, scheme, join_gaps)
-        return cls(_igeo.Surface.from_file(name, kind, grid, rebuild, iso, voxels, progress))
+        if scheme != "jet" and kind != "points":
+            raise InputError(
+                f"scheme is given, and {name} is read as {kind}", f"leave it out, and give scheme={scheme!r} to Solver"
+            )
+        level = None if iso is None else arguments.real(iso, "iso")
+        return cls(_igeo.Surface.from_file(name, kind, grid, bool(rebuild), level, voxels, progress))
 
     @classmethod
     def from_mesh(
@@ -105,7 +116,7 @@ class Surface:
         arguments.shaped(corners, "faces", None, 3)
         corners = np.ascontiguousarray(corners, dtype=np.uint32)
         voxels = _voxels(voxel_size, resolution, "jet", join_gaps)
-        return cls(_igeo.Surface.from_mesh(points, corners, name, voxels, progress))
+        return cls(_igeo.Surface.from_mesh(points, corners, arguments.text(name, "name"), voxels, progress))
 
     @classmethod
     def from_points(
@@ -130,7 +141,7 @@ class Surface:
         if across is not None and across.shape != cloud.shape:
             raise InputError(f"normals has shape {across.shape}; allowed is {cloud.shape}, that of points")
         voxels = _voxels(voxel_size, resolution, scheme, None)
-        return cls(_igeo.Surface.from_points(cloud, across, name, voxels, progress))
+        return cls(_igeo.Surface.from_points(cloud, across, arguments.text(name, "name"), voxels, progress))
 
     @classmethod
     def from_volume(
@@ -157,7 +168,8 @@ class Surface:
         array = arguments.volume(values, "values")
         world = arguments.affine(spacing, origin, affine)
         voxels = _voxels(voxel_size, resolution, "jet", None)
-        return cls(_igeo.Surface.from_volume(array, world, iso, name, voxels, progress))
+        level = None if iso is None else arguments.real(iso, "iso")
+        return cls(_igeo.Surface.from_volume(array, world, level, arguments.text(name, "name"), voxels, progress))
 
     @classmethod
     def from_level_set(
@@ -181,7 +193,7 @@ class Surface:
         array = arguments.volume(values, "values")
         world = arguments.affine(spacing, origin, affine)
         width = arguments.number(half_width, "half_width", 1.0) * float(np.linalg.norm(world[:3, 0]))
-        return cls(_igeo.Surface.from_level_set(array, world, width, name, progress))
+        return cls(_igeo.Surface.from_level_set(array, world, width, arguments.text(name, "name"), progress))
 
     @classmethod
     def from_openvdb(cls, grid: Any, *, progress: Progress = None) -> Surface:

@@ -99,6 +99,8 @@ def test_idle_obstacles_are_warned_of(flat):
     solver = igeo.Solver(flat, obstacles=igeo.Sphere([9, 9, 9], 1))
     with pytest.warns(igeo.SurfaceWarning, match="nothing is blocked"):
         solver.distance([0])
+    for none in ([], ()):
+        assert not warned(lambda none=none: igeo.Solver(flat, obstacles=none).distance([0]))
 
 
 def test_grids_of_files(flat, tmp_path):

@@ -1,5 +1,6 @@
 """Files in and out, the same numbers as the program's, and notebooks."""
 
+import os
 import subprocess
 import sys
 
@@ -10,6 +11,16 @@ import igeo
 from conftest import ROOT, ball, run_program, write_off
 
 DATA = ROOT / "data"
+
+
+def test_names_may_be_bytes(tmp_path, sphere_solver):
+    write_off(tmp_path / "ball.off", *ball(8))
+    file = os.fsencode(tmp_path / "ball.off")
+    surface = igeo.Surface.read(file, resolution=32)
+    assert surface.kind == "mesh" and len(surface.vertices) == len(ball(8)[0])
+    sphere_solver.distance([0, 0, 1.0]).to_vdb(os.fsencode(tmp_path / "d.vdb"))
+    igeo.Solver(igeo.Surface.read(DATA / "sphere.vdb"), weight=os.fsencode(tmp_path / "d.vdb"))
+    assert len(sphere_solver.distance([0, 0, 1.0]).image(os.devnull, width=64, height=48)) > 100  # any name
 
 
 @pytest.mark.parametrize("whole", ["vertex", "point"])
