@@ -70,7 +70,9 @@ class Bending(NamedTuple):
 
 
 def array(value: Any, name: str) -> NDArray[Any]:
-    """An array of any type; lists of different lengths are refused."""
+    """An array of any type; lists of different lengths are refused, and values that are masked."""
+    if isinstance(value, np.ma.MaskedArray) and np.any(value.mask):
+        raise InputError(f"{name} has {np.sum(value.mask)} masked values; allowed are none", "fill or remove them")
     try:
         return np.asarray(value)
     except ValueError as error:
@@ -156,7 +158,7 @@ def vector(value: Any, name: str) -> Floats:
 
 def _as_float(value: Any, name: str, allowed: str) -> float:
     try:
-        if not isinstance(value, (str, bytes)):
+        if not isinstance(value, (str, bytes, bool, np.bool_)):
             return float(value)
     except (TypeError, ValueError, OverflowError):
         pass
@@ -181,9 +183,25 @@ def is_integer(value: Any) -> bool:
 def integer(value: Any, name: str, most: int = 2**31 - 1) -> int:
     """From 1 to `most`."""
     if not is_integer(value) or not 1 <= value <= most:
-        allowed = "1 and more" if most >= 2**31 - 1 else f"1 to {most}"
+        large = is_integer(value) and value > most
+        allowed = f"1 to {most}" if large or most < 2**31 - 1 else "1 and more"
         raise InputError(f"{name} is {value!r}; allowed are integers of {allowed}")
     return int(value)
+
+
+def flag(value: Any, name: str) -> bool:
+    """True or False, or 1 or 0."""
+    if not isinstance(value, (bool, np.bool_)) and not (is_integer(value) and value in (0, 1)):
+        raise InputError(f"{name} is {value!r}; allowed are True and False")
+    return bool(value)
+
+
+def made_of(value: Any, kind: Any, name: str) -> Any:
+    """A named tuple of type `kind`, from its first element or from all."""
+    fields = value if isinstance(value, tuple) else (value,)
+    if not 1 <= len(fields) <= len(kind._fields):
+        raise InputError(f"{name} is {value!r}; allowed is {kind.__name__}({', '.join(kind._fields)})")
+    return kind(*fields)
 
 
 def limit(value: Any, name: str) -> float:
@@ -218,7 +236,7 @@ def integers(value: Any, name: str, count: int, what: str = "vertices") -> NDArr
 
 
 def mask(value: Any, name: str, count: int, what: str) -> NDArray[np.bool_]:
-    values = np.asarray(value)
+    values = array(value, name)
     if values.dtype.kind != "b":
         raise InputError(f"{name} has dtype {values.dtype}; allowed is bool")
     if values.shape != (count,):
@@ -299,7 +317,7 @@ def volume(values: Any, name: str) -> NDArray[np.float32]:
 
 
 def one_of(value: str, name: str, allowed: Sequence[str]) -> str:
-    if value not in allowed:
+    if not isinstance(value, str) or value not in allowed:
         raise InputError(f"{name} is {value!r}; allowed are {', '.join(map(repr, allowed))}")
     return value
 
@@ -308,6 +326,8 @@ def text(value: Any, name: str) -> str:
     """A name in a result or a message."""
     if not isinstance(value, str):
         raise InputError(f"{name} is {value!r}; allowed are strings")
+    if any(0xD800 <= ord(c) < 0xE000 for c in value):
+        raise InputError(f"{name} is {value!r}, which holds bytes that are no UTF-8", "take them out")
     if _has_controls(value):
         raise InputError(f"{name} is {value!r}, which holds a control character", "take it out")
     return value

@@ -38,10 +38,10 @@ class MetricReader:
         self.metric = _igeo.Metric(plain)
 
     def _at_feet(self, function: Callable[[Floats], ArrayLike]) -> Any:
-        """The values of a function at all foot points; it is called once."""
+        """The values of a function at all foot points; it is called once, and may change its array."""
         if self._feet is None:
             self._feet = _igeo.foot_points(self._plain, self._progress)
-        return function(self._feet)
+        return function(self._feet.copy())
 
     def _nodes(self) -> int:
         return 0 if self._feet is None else len(self._feet)
@@ -78,14 +78,14 @@ class MetricReader:
             self.metric.tensor_by_vertex(found, self._progress)
 
     def weight_curvature(self, value: Union[CurvatureWeight, str]) -> None:
-        given = CurvatureWeight(value) if isinstance(value, str) else CurvatureWeight(*value)
+        given = arguments.made_of(value, CurvatureWeight, "weight_curvature")
         kind = arguments.one_of(given.kind, "weight_curvature", _CURVATURES)
         self.metric.weight_by_curvature(
             kind, arguments.number(given.eps, "weight_curvature.eps"), arguments.number(given.p, "weight_curvature.p")
         )
 
     def weight_slope(self, value: Union[SlopeWeight, float]) -> None:
-        given = SlopeWeight(*value) if isinstance(value, tuple) else SlopeWeight(value)
+        given = arguments.made_of(value, SlopeWeight, "weight_slope")
         up = np.eye(3)["xyz".index(arguments.one_of(given.up, "weight_slope.up", ("x", "y", "z")))]
         steepest = arguments.number(given.max, "weight_slope.max")
         if steepest >= 90:
@@ -93,7 +93,7 @@ class MetricReader:
         self.metric.weight_by_slope(up, math.radians(steepest), arguments.number(given.power, "weight_slope.power"))
 
     def metric_curvature(self, value: Union[Bending, str]) -> None:
-        given = Bending(value) if isinstance(value, str) else Bending(*value)
+        given = arguments.made_of(value, Bending, "metric_curvature")
         kind = arguments.one_of(given.kind, "metric_curvature", ("avoid", "prefer"))
         self.metric.tensor_by_curvature(kind, arguments.above_zero_or_none(given.length, "metric_curvature.length"))
 

@@ -71,7 +71,8 @@ def _picture(color_map: str, spacing: Optional[float], up: ArrayLike) -> _igeo.P
     options = _igeo.Picture()
     options.color_map = arguments.one_of(color_map, "color_map", _igeo.color_maps)
     if spacing is not None:
-        options.spacing = arguments.number(spacing, "spacing") if spacing != 0 else -1.0
+        asked = arguments.real(spacing, "spacing")
+        options.spacing = -1.0 if asked == 0 else arguments.number(spacing, "spacing")
     options.up(arguments.vector(up, "up"))
     return options
 
@@ -161,7 +162,7 @@ class Distance:
         return self._paths(self.surface._positions(targets, "targets"), straighten, progress)
 
     def _paths(self, targets: Floats, straighten: bool, progress: Progress) -> list[Floats]:
-        found, doubts = self._made.paths(targets, straighten, progress)
+        found, doubts = self._made.paths(targets, arguments.flag(straighten, "straighten"), progress)
         warn(doubts, 4)
         for k, (status, _) in enumerate(found):
             if status not in ("reached", "unreachable"):
@@ -171,11 +172,13 @@ class Distance:
     def log_map(self, reference: Optional[ArrayLike] = None, *, progress: Progress = None) -> LogMap:
         """The logarithmic map around the seeds; each point belongs to its nearest seed.
 
-        reference: (3,), u is its part along the surface at each seed; None: the coordinate axis
-        farthest from the normal. Raises InputError for the scheme "godunov", for tensors, and for seeds that
-        are curves, regions or groups.
+        reference: (3,), u is its part along the surface at each seed; None, and at seeds where it is
+        normal to the surface: the coordinate axis farthest from the normal. Raises InputError for the
+        scheme "godunov", for tensors, and for seeds that are curves, regions or groups.
         """
         along = None if reference is None else arguments.vector(reference, "reference")
+        if along is not None and not along.any():
+            raise InputError("reference is zero; allowed are directions", "leave it out for a coordinate axis")
         return LogMap(self._made.log_map(along, progress), self.surface)
 
     def isolines(self, levels: Any, *, progress: Progress = None) -> list[Isoline]:
@@ -236,7 +239,7 @@ class Distance:
         options = _picture(color_map, spacing, up)
         options.width = arguments.integer(width, "width", _MOST_PIXELS)
         options.height = arguments.integer(height, "height", _MOST_PIXELS)
-        options.legend = bool(legend)
+        options.legend = arguments.flag(legend, "legend")
         if eye is not None:
             options.eye(arguments.vector(eye, "eye"))
         if look_at is not None:

@@ -73,12 +73,16 @@ class Solver:
         """
         if not isinstance(surface, Surface):
             raise TypeError(f"surface is of type {type(surface).__name__}; allowed is Surface (Surface.read)")
-        if order not in (None, 1, 2):
+        if order is not None and not (arguments.is_integer(order) and order in (1, 2)):
             raise InputError(f"order is {order!r}; allowed are 1 and 2")
         if order is not None and scheme == "jet":
             raise InputError(f'order is {order!r} and scheme is "jet", which has no order; take scheme="godunov"')
         if isinstance(obstacles, (list, tuple)) and len(obstacles) == 0:
             obstacles = None
+        if surface._joins_gaps and scheme == "godunov":
+            raise InputError(
+                f"scheme is 'godunov', and {surface.name} has join_gaps, which is for jet", "leave out one of the two"
+            )
         self.surface = surface
         plain = _igeo.plain_solver(
             surface._made,
@@ -149,7 +153,8 @@ class Solver:
             for (group, members), begin in zip(value.items(), starts):
                 self._refuse_mask_of_integers(arguments.array(members, f"{name}[{group!r}]"), f"{name}[{group!r}]")
                 positions = self.surface._positions(members, f"{name}[{group!r}]")
-                seeds.add_group(str(group), positions, np.full(len(positions), begin))
+                group = arguments.text(str(group), f"the name of {name}[{group!r}]")
+                seeds.add_group(group, positions, np.full(len(positions), begin))
             return
         array = arguments.array(value, name)
         self._refuse_mask_of_integers(array, name)
@@ -217,7 +222,7 @@ class Solver:
         for vertices in arguments.polylines(curves, "curves"):
             closed = len(vertices) > 2 and bool((vertices[0] == vertices[-1]).all())
             asked.add_curve(vertices[:-1] if closed else vertices, closed)
-        asked.signed = bool(signed)
+        asked.signed = arguments.flag(signed, "signed")
         max_distance = arguments.limit(max_distance, "max_distance")
         ends = np.empty((0, 3)) if targets is None else self.surface._positions(targets, "targets")
         made = self._made.distance(asked, max_distance, ends, targets is not None, progress)
@@ -239,6 +244,13 @@ class Solver:
         at: points (m, 3) or vertices, the columns; None: the vertices of the mesh.
         Shape (k, m); infinite where unreached. Memory: m numbers per row, and one march per thread.
         """
+        if not isinstance(many, Iterable) or isinstance(many, (str, bytes, Mapping)):
+            raise InputError(f"many is {many!r}; allowed are a list of seeds and an array (k, 3) of points")
+        if isinstance(many, np.ndarray) and many.ndim == 2 and many.dtype.kind in "iu":
+            raise InputError(
+                f"many is an array {many.shape} of integers, which are points or vertices",
+                "write points with floats; give the vertices of each row as a list of lists, by tolist()",
+            )
         all_seeds = []
         for k, value in enumerate(many):
             all_seeds.append(_igeo.Seeds())
@@ -262,6 +274,11 @@ class Solver:
         Between seeds each number is the mean of both directions. For the scheme "jet".
         """
         self._require_jet("matrix")
+        if not isinstance(seeds, Mapping) and arguments.array(seeds, "seeds").dtype.kind == "b":
+            raise InputError(
+                "seeds is a region, and a matrix has rows of points, vertices and groups",
+                "take distances([seeds], at=targets), or give the vertices of the region as a group",
+            )
         asked = _igeo.Seeds()
         self._add_seeds(asked, seeds, None, "seeds")
         ends = np.empty((0, 3)) if targets is None else self.surface._positions(targets, "targets")
@@ -274,6 +291,7 @@ class Solver:
     def _pairs(
         self, sources: ArrayLike, targets: ArrayLike, paths: bool, straighten: bool, skip: bool, progress: Progress
     ) -> tuple[Floats, list[tuple[str, Floats]]]:
+        skip = arguments.flag(skip, "skip_off_surface")
         starts = self.surface._positions(sources, "sources")
         ends = self.surface._positions(targets, "targets")
         if len(starts) != len(ends):
@@ -317,6 +335,7 @@ class Solver:
         as `pairs`.
         """
         self._require_jet("pair_paths")
+        straighten = arguments.flag(straighten, "straighten")
         _, found = self._pairs(sources, targets, True, straighten, skip_off_surface, progress)
         for k, (status, _) in enumerate(found):
             if status == "stalled":
@@ -337,7 +356,8 @@ class Solver:
         a point. Raises InputError for a point farther from the surface than `snap`.
         """
         self._require_jet("via")
-        line = self._made.via(self.surface._positions(points, "points"), bool(closed), bool(straighten), progress)
+        closed, straighten = arguments.flag(closed, "closed"), arguments.flag(straighten, "straighten")
+        line = self._made.via(self.surface._positions(points, "points"), closed, straighten, progress)
         self._warn()
         return line
 

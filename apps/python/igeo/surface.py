@@ -36,10 +36,11 @@ class Surface:
     Several solvers and threads may share one.
     """
 
-    def __init__(self, made: _igeo.Surface) -> None:
+    def __init__(self, made: _igeo.Surface, joins_gaps: bool = False) -> None:
         if not isinstance(made, _igeo.Surface):
             raise TypeError("a Surface is made by Surface.read, .from_mesh, .from_points, .from_volume, ...")
         self._made = made
+        self._joins_gaps = joins_gaps
         warn(made.warnings, 4)
 
     @classmethod
@@ -73,6 +74,7 @@ class Surface:
         kind = _igeo.kind_of(name) if kind is None else arguments.one_of(kind, "kind", _KINDS)
         if arguments.text(grid, "grid") and kind != "level set":
             raise InputError(f"grid is given, and {name} is read as {kind}", "leave out grid")
+        rebuild = arguments.flag(rebuild, "rebuild")
         if iso is not None and kind != "volume" and not rebuild:
             raise InputError(f"iso is given, and {name} is read as {kind}", "leave out iso, or add rebuild=True")
         if rebuild and kind != "level set":
@@ -90,7 +92,8 @@ class Surface:
                 f"scheme is given, and {name} is read as {kind}", f"leave it out, and give scheme={scheme!r} to Solver"
             )
         level = None if iso is None else arguments.real(iso, "iso")
-        return cls(_igeo.Surface.from_file(name, kind, grid, bool(rebuild), level, voxels, progress))
+        made = _igeo.Surface.from_file(name, kind, grid, rebuild, level, voxels, progress)
+        return cls(made, join_gaps is not None)
 
     @classmethod
     def from_mesh(
@@ -108,7 +111,8 @@ class Surface:
 
         vertices: (n, 3), world units. faces: (m, 3), integers from 0 to n - 1.
         voxel_size: world units; resolution: voxels along the longest side, 256 where neither is given.
-        join_gaps: world units; paths may cross gaps of up to this between pieces of the mesh.
+        join_gaps: world units; paths may cross gaps of up to this between pieces of the mesh. For the
+            scheme "jet".
         name: its name in messages and results.
         """
         points = arguments.points(vertices, "vertices")
@@ -116,7 +120,8 @@ class Surface:
         arguments.shaped(corners, "faces", None, 3)
         corners = np.ascontiguousarray(corners, dtype=np.uint32)
         voxels = _voxels(voxel_size, resolution, "jet", join_gaps)
-        return cls(_igeo.Surface.from_mesh(points, corners, arguments.text(name, "name"), voxels, progress))
+        made = _igeo.Surface.from_mesh(points, corners, arguments.text(name, "name"), voxels, progress)
+        return cls(made, join_gaps is not None)
 
     @classmethod
     def from_points(

@@ -1,5 +1,7 @@
 #include "background.h"
 
+#include <igeo/base/error.h>
+
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -86,6 +88,10 @@ void listen(SharedProgress& progress, const py::object& callback) {
 
 void runInBackground(const py::object& callback, const std::function<void(igeo::Progress&)>& work) {
     constexpr std::chrono::milliseconds kPace{50};
+    if (!callback.is_none() && !PyCallable_Check(callback.ptr()))
+        throw igeo::Error(igeo::Error::Kind::InvalidArgument,
+                          "progress is " + std::string(py::repr(callback)) +
+                              "; allowed are functions of a stage and a share");
     SharedProgress progress(!callback.is_none());
     std::optional<py::error_already_set> stop;
     Worker worker(progress, work);

@@ -10,7 +10,8 @@
 
 /// Calls work(progress) in a thread of its own, while the calling thread waits without the lock.
 /// Only the calling thread runs Python: signal handlers, and callback(stage, fraction) unless it is
-/// None. An exception there cancels the work, and is thrown after the work has ended.
+/// None; Error if it is no function. An exception there cancels the work, and is thrown after the
+/// work has ended.
 void runInBackground(const pybind11::object& callback,
                      const std::function<void(igeo::Progress&)>& work);
 

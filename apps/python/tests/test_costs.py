@@ -34,6 +34,17 @@ def test_weight_by_function_is_called_once(flat):
     assert np.linalg.norm(gradient) == pytest.approx(3, abs=1e-4)
 
 
+def test_functions_may_change_their_points(flat):
+    """Each function gets points of its own: the obstacle is where it was, whatever the weight does."""
+
+    def weight(points):
+        points[:] = 7
+        return np.ones(len(points))
+
+    alone, after = (igeo.Solver(flat, obstacles=wall, **more) for more in ({}, {"weight": weight}))
+    assert after.distance([0]).at([[0.9, 0.5, 0]]) == pytest.approx(alone.distance([0]).at([[0.9, 0.5, 0]]), abs=1e-9)
+
+
 def test_weight_that_varies(flat):
     """With the weight exp(x) the distance along x is exp(x) - 1, by array and by function."""
     seeds = np.flatnonzero(flat.vertices[:, 0] == 0)
@@ -156,6 +167,10 @@ def test_costs_from_curvature_are_checked():
     for options, message in (
         ({"weight_curvature": "hill"}, "weight_curvature is 'hill'; allowed are 'valley'"),
         ({"weight_curvature": igeo.CurvatureWeight("valley", eps=0)}, "weight_curvature.eps is 0"),
+        ({"weight_curvature": 5}, "weight_curvature is 5; allowed are 'valley'"),
+        ({"weight_curvature": ("mean", 1, 2, 3)}, r"allowed is CurvatureWeight\(kind, eps, p\)"),
+        ({"metric_curvature": 5}, "metric_curvature is 5; allowed are 'avoid'"),
+        ({"weight_slope": True}, "weight_slope.max is True"),
         ({"weight_slope": 90}, "weight_slope.max is 90 degrees; allowed are degrees below 90"),
         ({"weight_slope": igeo.SlopeWeight(30, up="w")}, "weight_slope.up is 'w'"),
         ({"metric_curvature": igeo.Bending("avoid", -1)}, "metric_curvature.length is -1"),

@@ -28,6 +28,7 @@ def with_value(array, at, value):
         (VERTICES.astype(complex), FACES, "vertices has dtype complex128"),
         ([["a", "b", "c"]], FACES, "vertices has dtype"),
         ([[1, 2, 3], [4, 5]], FACES, "vertices is no array of numbers"),
+        (np.ma.masked_array(VERTICES, VERTICES > 0.9), FACES, "vertices has 10 masked values; allowed are none"),
         (VERTICES, FACES.astype(float), "faces has dtype float64; allowed are integers"),
         (VERTICES, FACES[:, :2], r"faces has shape \(32, 2\)"),
         (VERTICES, FACES[:0], r"faces has shape \(0, 3\)"),
@@ -46,6 +47,8 @@ def test_meshes(vertices, faces, message):
     [
         ({"voxel_size": -1}, "voxel_size is -1; allowed are finite numbers above 0"),
         ({"voxel_size": "a"}, "voxel_size is 'a'"),
+        ({"voxel_size": True}, "voxel_size is True; allowed are numbers above 0"),
+        ({"name": "a\udcff"}, "name is .*, which holds bytes that are no UTF-8"),
         ({"voxel_size": "0.1"}, "voxel_size is '0.1'; allowed are numbers above 0"),
         ({"resolution": 2.5}, "resolution is 2.5"),
         ({"resolution": True}, "resolution is True; allowed are integers of 1 and more"),
@@ -91,6 +94,10 @@ def test_volumes_and_points():
         (lambda: igeo.Surface.read(5), "file is 5; allowed are names of files"),
         (lambda: igeo.Surface.read("a.vdb", grid=None), "grid is None; allowed are strings"),
         (lambda: igeo.Surface.from_volume(cube, "0"), "iso is '0'; allowed are finite numbers"),
+        (lambda: igeo.Surface.from_volume(np.ma.masked_array(cube, cube == 0), 0), "values has 64 masked values"),
+        (lambda: igeo.Surface.from_points(VERTICES, scheme=["jet"]), r"scheme is \['jet'\]; allowed are 'jet'"),
+        (lambda: igeo.Surface.from_points(VERTICES, scheme=np.array(["jet"])), "scheme is array"),
+        (lambda: igeo.Surface.read("a.vdb", rebuild="no"), "rebuild is 'no'; allowed are True and False"),
         (lambda: igeo.Surface.from_volume(cube, np.nan), "iso is nan; allowed are finite numbers"),
         (lambda: igeo.Surface.from_volume(cube, 0, name=5), "name is 5; allowed are strings"),
     ]:
@@ -128,6 +135,16 @@ def test_seeds(sheet_solver, sphere_solver):
         (lambda: solver.distance([0], max_distance=-2), "max_distance is -2"),
         (lambda: solver.distance([0], signed=True), "signed distance"),
         (lambda: solver.distance(np.ones(7, bool)), r"seeds has shape \(7,\); allowed is \(441,\)"),
+        (lambda: solver.distance([0], start=np.ma.masked_array([1.0], [True])), "start has 1 masked values"),
+        (lambda: solver.distance({"\udcff": [0]}), "the name of seeds.* no UTF-8"),
+        (lambda: solver.distance(np.arange(441) < 50, signed="no"), "signed is 'no'; allowed are True and False"),
+        (lambda: solver.matrix(np.arange(441) < 50, [7]), "seeds is a region, and a matrix has rows of points"),
+        (lambda: solver.pairs([0], [1], skip_off_surface="no"), "skip_off_surface is 'no'"),
+        (lambda: solver.pair_paths([0], [1], straighten="no"), "straighten is 'no'"),
+        (lambda: solver.via([0, 1], closed="no"), "closed is 'no'"),
+        (lambda: solver.distance([0]).path(7, straighten="no"), "straighten is 'no'"),
+        (lambda: solver.distance([0]).log_map([0, 0, 0]), "reference is zero; allowed are directions"),
+        (lambda: solver.distance([0]).image(spacing=np.array([0.1, 0.2])), "spacing is array"),
         (lambda: solver.distance({"A": [0.5]}), r"seeds\['A'\] has shape"),
         (lambda: solver.distance([0]).at([[0.5, 0.5, 0], [9, 9, 9]]), "point 1 .* from the surface"),
         (lambda: solver.distance([0]).at(np.zeros(2)), r"points has shape \(2,\)"),
@@ -146,6 +163,9 @@ def test_seeds(sheet_solver, sphere_solver):
         (lambda: solver.distance([0]).to_vdb("a.vdb", name="\x1b"), r"name is '\\x1b', which holds a control"),
         (lambda: solver.distance([0]).to_vdb("no/folder/a.vdb"), "no/folder"),
         (lambda: solver.distances([]), "many is empty"),
+        (lambda: solver.distances(5), "many is 5; allowed are a list of seeds"),
+        (lambda: solver.distances({"A": [0]}), "many is .*; allowed are a list of seeds"),
+        (lambda: solver.distances(np.array([[4, 5, 6], [1, 2, 3]])), r"many is an array \(2, 3\) of integers"),
         (lambda: solver.sample(0), "count is 0"),
         (lambda: solver.sample(2.0), "count is 2.0; allowed are integers of 1 and more"),
         (lambda: igeo.threads(0).__enter__(), "count is 0; allowed are integers of 1 and more"),
@@ -181,6 +201,7 @@ def test_what_godunov_does_not_do():
 
 def test_costs():
     surface = igeo.Surface.from_mesh(VERTICES, FACES, resolution=32)
+    gaps = igeo.Surface.from_mesh(VERTICES, FACES, resolution=32, join_gaps=0.1)
     level_set = igeo.Surface.from_level_set(np.linalg.norm(np.indices((20, 20, 20)) - 9.5, axis=0) - 6)
     for call, message in [
         (lambda: igeo.Solver(surface, weight=np.ones(3)), r"weight has shape \(3,\); allowed is \(25,\)"),
@@ -195,6 +216,10 @@ def test_costs():
         (lambda: igeo.Solver(level_set, weight=np.ones(3)), "is no mesh"),
         (lambda: igeo.Solver(surface, scheme="fast"), "scheme is 'fast'"),
         (lambda: igeo.Solver(surface, order=3), "order is 3"),
+        (lambda: igeo.Solver(surface, order=1.0, scheme="godunov"), "order is 1.0; allowed are 1 and 2"),
+        (lambda: igeo.Solver(gaps, scheme="godunov"), "scheme is 'godunov', and mesh has join_gaps, which is for jet"),
+        (lambda: igeo.Solver(surface, obstacles=[[igeo.Sphere((9, 9, 9), 1)]]), r"obstacles\[0\] is no array"),
+        (lambda: igeo.Solver(surface, progress=5), "progress is 5; allowed are functions of a stage and a share"),
         (lambda: igeo.Solver(surface, order=1), 'order is 1 and scheme is "jet"'),
         (lambda: igeo.Solver(surface, memory_limit=1.0).distance([0]), "memory"),
     ]:
