@@ -6,9 +6,11 @@
 #include <support/openvdb.h>
 #include <support/shapes.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <vector>
 
 namespace igeo::test {
 namespace {
@@ -68,19 +70,19 @@ struct Scene {
     }
 };
 
-Scene onPlane(int n) {
+Scene onPlane(int n, double ballRadius = 0.15, double shift = 0) {
     const Vec3d normal = Vec3d(1, -2, 3).unit(), x = normal.cross(Vec3d(0.3, 1, 0.2)).unit(),
-                y = normal.cross(x), ball = kCenter + 0.013 * x - 0.021 * y;
-    constexpr double kBall = 0.15;
+                y = normal.cross(x), ball = kCenter + (0.013 + shift) * x - 0.021 * y;
     auto exact = [=](const Vec3d& from, const Vec3d& p) {
         const bool inPatch = std::abs((p - kCenter).dot(x)) < 0.38 &&
-                             std::abs((p - kCenter).dot(y)) < 0.38 && (p - ball).length() > kBall;
-        return inPatch ? aroundDisc(ball, kBall, from, p) : std::nan("");
+                             std::abs((p - kCenter).dot(y)) < 0.38 &&
+                             (p - ball).length() > ballRadius;
+        return inPatch ? aroundDisc(ball, ballRadius, from, p) : std::nan("");
     };
     return {"plane",
             Surface(*makeLevelSet(planePatch(kCenter, normal, 0.8), 1.0 / n, 3)),
             ball,
-            kBall,
+            ballRadius,
             kCenter - 0.3 * x + 0.017 * y,
             kCenter + 0.31 * x - 0.04 * y,
             exact};
@@ -108,6 +110,40 @@ Scene onSphere(int n) {
 }
 
 }  // namespace
+
+TEST_CASE("obstacles: fronts go around balls of a few voxels") {
+    constexpr int kN = 64;
+    struct Case {
+        double radius;     // voxels
+        double mean, p95;  // 1.5 times what was measured: 0.086, 0.250; 0.038, 0.108; 0.031, 0.088
+    };
+    for (const Case& c : {Case{2, 0.129, 0.376}, {3, 0.057, 0.162}, {5, 0.046, 0.132}}) {
+        std::vector<double> errors;
+        for (int k = 0; k < 8; ++k) {
+            const Scene s = onPlane(kN, c.radius / kN, k / (8.0 * kN));
+            const Distance d = s.solver(Scheme::Jet).distance({fromVdb(s.seed)});
+            const Band& band = d.band();
+            const Vec3d from = seedOf(d);
+            for (NodeIndex i = 0; i < band.size(); ++i) {
+                const Vec3d p = worldOf(band, band.footPoint(i));
+                const double exact = s.exact(from, p);
+                const bool inShadow = exact > (p - from).length() + 1e-9;
+                if (inShadow && d.field().distance[i] < kInfinity &&
+                    (p - s.ball).length() < s.ballRadius + 12.0 / kN)
+                    errors.push_back(d.field().distance[i] - exact * kN);
+            }
+        }
+        std::sort(errors.begin(), errors.end());
+        double mean = 0;
+        for (const double e : errors) mean += std::abs(e) / double(errors.size());
+        const double p95 = errors[errors.size() * 95 / 100];
+        std::printf("behind a ball of %g voxels: mean %.4f, p95 %.4f, max %.3f, min %.3f voxels\n",
+                    c.radius, mean, p95, errors.back(), errors.front());
+        INFO("radius " << c.radius);
+        CHECK(mean < c.mean);
+        CHECK(p95 < c.p95);
+    }
+}
 
 TEST_CASE("obstacles: distances and paths lead around a ball") {
     for (const Scene& s : {onPlane(200), onSphere(200)}) {

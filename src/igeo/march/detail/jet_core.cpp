@@ -7,10 +7,13 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <optional>
 
 namespace igeo {
 
 namespace {
+
+constexpr std::uint32_t kNoRim = ~0u;  ///< a node that is not on a rim
 
 /// Extremes of the cost over nodes of the core.
 struct CostRange {
@@ -128,13 +131,22 @@ float freePart(const Metric& metric, const Vec3d& from, const Vec3f& step, const
     return free;
 }
 
+/// A node inside an obstacle that moves onto its rim.
+struct RimNode {
+    std::size_t node;
+    Vec3f inside, out;  ///< its foot point, and the direction to the rim along a link, unit
+    float rim, length;  ///< how far the rim is, and the node outside
+    float off;          ///< of the moved foot point beyond the rim
+
+    Vec3f foot() const { return inside + (rim + off) * out; }
+};
+
 /// The point of the rim nearest to a node inside an obstacle, on its links to nodes outside.
-/// @param foot  moved there
-/// @return whether there is one
-bool moveToRim(const JetCore& core, const JetNode& node, Vec3f& foot) {
+std::optional<RimNode> nearestRim(const JetCore& core, std::size_t k) {
     // So far outside that steps of 1.5 voxels along a rim with a radius of 6 voxels stay outside.
     constexpr float kOff = 0.05f;
-    float nearest = float(kInfinity);
+    const JetNode& node = core.nodes[k];
+    std::optional<RimNode> nearest;
     const std::uint32_t severed = core.severedSteps(node);
     core.band.forNeighbors(
         &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int dx, int dy, int dz) {
@@ -146,25 +158,70 @@ bool moveToRim(const JetCore& core, const JetNode& node, Vec3f& foot) {
             const Vec3f step = node.foot - outside.foot - Vec3f(Ijk{dx, dy, dz});
             const float free =
                 freePart(core.metric, core.footOf(outside), step, Vec3d(node.normal));
-            const float len = length(step), back = (1 - free) * len + kOff;
-            if (back > len || back >= nearest) return;
-            nearest = back;
-            foot = node.foot - (back / len) * step;
+            const float len = length(step), back = (1 - free) * len;
+            if (back + kOff > len || (nearest && back >= nearest->rim)) return;
+            nearest = {k, node.foot, (-1 / len) * step, back, len, kOff};
         });
-    return nearest < float(kInfinity);
+    return nearest;
+}
+
+/// Whether the obstacle blocks the step from a node of the rim to a neighbor on the same side of
+/// it: a small ball bends more between them than their distance from it allows.
+/// @param numbers  per core node: its place in `rim`, or kNoRim
+bool isStepBlocked(const JetCore& core, const std::vector<RimNode>& rim,
+                   const std::vector<std::uint32_t>& numbers, const RimNode& here) {
+    constexpr float kSameSide = 0.5f;  // of the directions outward: not through a thin wall
+    const JetNode& node = core.nodes[here.node];
+    const std::uint32_t severed = core.severedSteps(node);
+    bool blocked = false;
+    core.band.forNeighbors(
+        &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int dx, int dy, int dz) {
+            if (blocked || numbers[j] == kNoRim || severed & SeveredLinks::bit(dx, dy, dz) ||
+                dot(rim[numbers[j]].out, here.out) < kSameSide)
+                return;
+            const JetNode& other = core.nodes[j];
+            blocked = core.metric.blocked(core.footOf(node), core.footOf(other),
+                                          Vec3d(normalized(node.normal + other.normal)));
+        });
+    return blocked;
+}
+
+/// Moves nodes of the rim outward, by up to 0.16 voxels, until steps between them go around it.
+void clearSteps(JetCore& core, std::vector<RimNode>& rim) {
+    constexpr int kRounds = 8;
+    constexpr float kMore = 0.02f;
+    std::vector<std::uint32_t> numbers(core.nodes.size(), kNoRim), check(rim.size());
+    for (std::size_t r = 0; r < rim.size(); ++r) numbers[rim[r].node] = check[r] = std::uint32_t(r);
+    for (int round = 0; round < kRounds && !check.empty(); ++round) {
+        std::vector<std::uint8_t> blocked(check.size());
+        parallelFor(check.size(), 64, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k)
+                blocked[k] = isStepBlocked(core, rim, numbers, rim[check[k]]);
+        });
+        std::size_t left = 0;
+        for (std::size_t k = 0; k < check.size(); ++k) {
+            RimNode& node = rim[check[k]];
+            if (!blocked[k] || node.rim + node.off + kMore > node.length) continue;
+            node.off += kMore;
+            core.nodes[node.node].foot = node.foot();
+            check[left++] = check[k];
+        }
+        check.resize(left);
+    }
 }
 
 /// Moves nodes inside an obstacle, but next to one outside, onto its rim, so that fronts go along
 /// the rim and not along the voxels outside of it.
 void placeRimNodes(JetCore& core) {
-    std::vector<std::pair<std::size_t, Vec3f>> rim;
-    for (std::size_t k = 0; k < core.nodes.size(); ++k) {
-        Vec3f foot;
-        if (core.nodes[k].obstacleState == Metric::Inside && moveToRim(core, core.nodes[k], foot))
-            rim.emplace_back(k, foot);
+    std::vector<RimNode> rim;
+    for (std::size_t k = 0; k < core.nodes.size(); ++k)
+        if (core.nodes[k].obstacleState == Metric::Inside)
+            if (const auto found = nearestRim(core, k)) rim.push_back(*found);
+    for (const RimNode& moved : rim) {
+        JetNode& node = core.nodes[moved.node];
+        node.foot = moved.foot(), node.obstacleState = Metric::Beside;
     }
-    for (const auto& [k, foot] : rim)
-        core.nodes[k].foot = foot, core.nodes[k].obstacleState = Metric::Beside;
+    if (!rim.empty()) clearSteps(core, rim);
 }
 
 }  // namespace
