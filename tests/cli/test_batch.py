@@ -182,7 +182,7 @@ class Log(TempWorkspace):
         self.assertEqual(len((self.folder / "log.jsonl").read_text().splitlines()), len(lines) + 1)
 
     def test_a_log_that_cannot_be_written_is_refused(self):
-        self.assertIn("nowhere/log", self.batch("--log", "nowhere/log", code=UNUSABLE))
+        self.assertIn("nowhere/log", self.batch("--log", "nowhere/log", code=USAGE))
         self.assertIn("which is the log", self.batch("--log", "pairs.csv", code=USAGE))
         self.assertFalse((self.folder / "jobs.summary.json").exists())
 
@@ -323,6 +323,44 @@ class Batch(TempWorkspace):
         self.refused({"version": 2, "files": 7}, UNUSABLE, "no pattern")
         self.refused({**template, "jobs": []}, UNUSABLE, "no manifest of version 2")
 
+    def test_results_of_the_batch_are_no_files_of_its_pattern(self):
+        scans = self.folder / "scans"
+        scans.mkdir()
+        for name in ("a.obj", "b.obj"):
+            (scans / name).write_text(ball(3))
+        out = {"seed": "+z", "resolution": 20}
+        # Results that would be surfaces; then also some whose jobs would be refused, with the names of others.
+        for files, defaults, left in (
+                ("scans/*.obj", {"per-vertex": "scans/{name}-d.obj"}, 2),
+                ("scans/*", {"per-vertex": "scans/{name}-d.obj", "output": "scans/{name}.vdb"}, 4)):
+            self.write({"version": 2, "files": files, "defaults": {**out, **defaults}})
+            self.batch()
+            said = self.batch()
+            self.assertIn("2 of 2 jobs are done already", said)
+            self.assertIn(f'{left} files like "files" are left out, as the batch writes them itself: scans/a-d.obj, ...',
+                          said)
+            self.assertEqual(list(self.statuses()), ["a", "b"])
+
+    def test_the_files_of_a_batch_get_no_job(self):
+        points = {"version": 2, "files": "*.json", "defaults": {
+            "seeds": "{file}", "sdf": "torus.vdb", "matrix": "{name}.csv"}}
+        (self.folder / "points.json").write_text("[[1.4, 0, 0], [-1.4, 0, 0]]")
+        self.write(points)
+        self.batch("--log", "log.json")
+        self.assertIn("1 of 1 jobs are done already", self.batch("--log", "log.json"))
+        self.assertIn("3 files like", self.batch("--log", "log.json", "--dry-run"))
+        (self.folder / "points.json").unlink()
+        (self.folder / "jobs.summary.json").unlink()
+        (self.folder / "log.json").unlink()
+        self.refused(points, UNUSABLE, "the batch writes all files itself that are like its \"files\"")
+
+    def test_a_job_of_no_file_asks_for_none(self):
+        for jobs in ([{"name": "a", "mesh": "{file}", "seed": "+x"}],
+                     [{"name": "a", "mesh": "ball.obj", "seed": "+x", "output": "{file}.vdb"}]):
+            self.refused({"version": 2, "jobs": jobs}, UNUSABLE, "job 'a': '--", "{file}", "of no file")
+        self.refused({"version": 2, "defaults": {"mesh": "{file}"}, "jobs": [{"name": "a", "seed": "+x"}]},
+                     UNUSABLE, "job 'a': '--mesh={file}' asks for {file}")
+
     def test_a_table_of_jobs(self):
         table = self.folder / "jobs.csv"
         table.write_text('name,sdf,seed,output,extend\r\nnear,torus.vdb,"1.4,0,0",{name}.vdb,true\r\n\r\n'
@@ -400,6 +438,29 @@ class Batch(TempWorkspace):
         self.assertIn("no manifest is given", done.stderr)
         self.assertEqual(self.program("batch", "none.json").returncode, UNUSABLE)
 
+    def test_no_file_of_the_batch_overwrites_another(self):
+        table = 'name,sdf,seed,output,report\na,torus.vdb,"1.4,0,0",a.vdb,{}\n'
+        (self.folder / "table.csv").write_text(table.format("a.json"))
+        os.link(self.folder / "table.csv", self.folder / "same.csv")
+        manifest = {"version": 2, "jobs": "table.csv"}
+        input_of_batch, one_place = "would overwrite the input '{}'", "two results cannot go to one place"
+        for words, says in ((("--log", "jobs.json"), input_of_batch.format("jobs.json")),
+                            (("--log", "./table.csv"), input_of_batch.format("table.csv")),
+                            (("--log", "same.csv"), input_of_batch.format("table.csv")),
+                            (("--summary", "jobs.json"), input_of_batch.format("jobs.json")),
+                            (("--summary", "table.csv"), input_of_batch.format("table.csv")),
+                            (("--log", "jobs.summary.json"), one_place),
+                            (("--view", "s.html", "--summary", "s.html"), one_place),
+                            (("--view", "s.html", "--log", "s.html"), one_place),
+                            (("--summary", "nowhere/s.json"), "there is no folder 'nowhere'"),
+                            (("--view", "s.json"), "the ending is none of .html")):
+            for more in ((), ("--dry-run",)):
+                self.refused(manifest, USAGE, f"{words[0]} ", says, words=(*words, *more))
+                self.assertEqual(json.loads((self.folder / "jobs.json").read_text()), manifest)
+                self.assertEqual((self.folder / "table.csv").read_text(), table.format("a.json"))
+        (self.folder / "table.csv").write_text(table.format("table.csv"))
+        self.refused(manifest, USAGE, "job 'a' writes 'table.csv', which is the table of the jobs")
+
     def test_shards_cover_all_jobs_once_and_merge_to_the_whole(self):
         self.batch()
         whole, outputs = (self.folder / "jobs.summary.json").read_bytes(), self.outputs()
@@ -457,6 +518,14 @@ class Batch(TempWorkspace):
 
         refused(f"{COUNT // 3} of {COUNT} jobs", "shards that are missing: 2 of 3")
         refused("none.json", parts=(one, "none.json"))
+        before = (self.folder / one).read_bytes()
+        done = self.program("batch", "merge", one, three, "-o", f"./{one}")
+        self.assertEqual(done.returncode, USAGE)
+        self.assertIn(f"-o ./{one} would overwrite the input '{one}'", done.stderr)
+        self.assertEqual((self.folder / one).read_bytes(), before)
+        done = self.program("batch", "merge", one, three, "-o", "nowhere/all.json")
+        self.assertEqual(done.returncode, USAGE)
+        self.assertIn("there is no folder 'nowhere'", done.stderr)
         refused("jobs.json is no summary", parts=("jobs.json",))
         other = self.summary(one)
         other["jobs"][0]["digest"] = "0" * 32
@@ -522,6 +591,11 @@ class Batch(TempWorkspace):
         refused("whole matrix", parts=("across.json",))
         refused("no matrix", parts=("jobs.summary.json",))
         refused(".npy", parts=parts, output="no.txt", code=USAGE)
+        before = (self.folder / parts[0]).read_bytes()
+        done = self.program("batch", "merge", "--matrix", *parts, "-o", parts[0])
+        self.assertEqual(done.returncode, USAGE)
+        self.assertIn(f"would overwrite the input '{parts[0]}'", done.stderr)
+        self.assertEqual((self.folder / parts[0]).read_bytes(), before)
         done = self.program("--sdf", "torus.vdb", "--sample", 3, "--matrix", "m.csv", "--matrix-rows", "1/2")
         self.assertEqual(done.returncode, USAGE)
         self.assertIn("--matrix-rows", done.stderr)

@@ -48,6 +48,26 @@ std::string defaultSummary(const fs::path& manifest, const Part& shard) {
         .string();
 }
 
+/// Refuses a summary, log or page that cannot be written, or that would overwrite another or the
+/// jobs. Files that jobs read and write are compared with them later, by planBatch.
+void checkOwnOutputs(const BatchOptions& o, const std::string& summary, const std::string& table) {
+    std::vector<OutputFile> outputs{{"--summary", o.summary.empty() ? summary : o.summary, ""}};
+    if (!o.log.empty()) outputs.push_back({"--log", o.log, ""});
+    if (!o.view.empty()) outputs.push_back({"--view", o.view, ".html"});
+    std::vector<std::string> inputs{o.manifest};
+    if (!table.empty()) inputs.push_back(table);
+    checkOutputFiles(outputs, inputs);
+}
+
+void tellLeftOut(const std::vector<std::string>& files, const Console& console) {
+    if (files.empty()) return;
+    const bool one = files.size() == 1;
+    console.info(
+        fmt::format("{} file{} like \"files\" {} left out, as the batch writes {} itself: {}{}",
+                    files.size(), one ? "" : "s", one ? "is" : "are", one ? "it" : "them",
+                    files.front(), one ? "" : ", ..."));
+}
+
 /// Two batches at once would compute the same jobs twice.
 void refuseOther(const ProcessLock& lock, const std::string& does) {
     if (lock.otherOwner().empty()) return;
@@ -283,27 +303,31 @@ int batch(const BatchOptions& options, Console& console, ConsoleProgress& progre
     const std::string manifest = wholeName(options.manifest);
     const std::string summary = options.summary.empty() ? defaultSummary(manifest, options.shard)
                                                         : wholeName(options.summary);
-    if (!options.view.empty())
-        checkOutputFiles({{"--view", options.view, ".html"}}, {options.manifest});
     auto wholeOrNone = [](const std::string& file) { return file.empty() ? "" : wholeName(file); };
-    const BatchFiles files{manifest, summary, wholeOrNone(options.log), wholeOrNone(options.view)};
-    const std::vector<ManifestJob> jobs = readManifest(options.manifest);
+    BatchFiles files{manifest, summary, "", wholeOrNone(options.log), wholeOrNone(options.view)};
+    const Manifest read =
+        readManifest(options.manifest, {manifest, summary, files.log, files.view});
+    files.table = wholeOrNone(read.table);
+    checkOwnOutputs(options, summary, read.table);
+    tellLeftOut(read.leftOut, console);
     // In the folder of the manifest, jobs name their files as single runs there do, also in
     // reports.
     fs::current_path(fs::path(manifest).parent_path());
     if (options.dryRun) {
-        printPlan(planBatch(jobs, files, options.shard, progress));
+        printPlan(planBatch(read.jobs, files, options.shard, progress));
         return kDone;
     }
     const ProcessLock ofSummary(summary + ".lock");
     refuseOther(ofSummary, "writes the summary '" + summary + "'");
     const ProcessLock ofJobs(manifest + ".lock", options.shard.begin(), options.shard.end());
     refuseOther(ofJobs, "computes jobs of '" + manifest + "' that this one has too");
-    const BatchPlan plan = planBatch(jobs, files, options.shard, progress);
+    const BatchPlan plan = planBatch(read.jobs, files, options.shard, progress);
     return Batch(plan, files, options.verbose, console, progress).run();
 }
 
 int merge(const MergeOptions& options, Console& console) {
+    checkOutputFiles({{"-o", options.output, options.matrix ? ".csv .json .npy" : ""}},
+                     options.parts);
     if (options.matrix) {
         writeDocument(options.output, joinedMatrix(options.parts, options.output));
         return kDone;

@@ -10,7 +10,9 @@
 
 #include "batch/job_table.h"
 #include "json_file.h"
-#include "options/surface_options.h"
+#include "options/options.h"
+#include "output/output_files.h"
+#include "output/result_checks.h"
 #include "printable.h"
 
 namespace fs = std::filesystem;
@@ -113,6 +115,9 @@ ManifestJob jobOf(const Json& entry, const Values& defaults, const std::string& 
         if (leadsOut(job.name) && argument.find("{name}") != argument.npos)
             inputError(where + ": its name leads out of the folder of '" + argument + "'",
                        "take \"..\" and a leading \"/\" out of the name, or write the path itself");
+        if (argument.find("{file}") != argument.npos)
+            inputError(where + ": '" + argument + "' asks for {file}, and the job is of no file",
+                       "write the name of the file; {file} is for \"files\", without \"jobs\"");
         argument = filled(argument, job.name, "");
     }
     return job;
@@ -137,22 +142,60 @@ ManifestJob jobOfFile(const fs::path& path, const Values& defaults, const std::s
     return job;
 }
 
-/// The jobs of "files": a pattern, or a list of patterns.
-std::vector<ManifestJob> jobsOfFiles(const Json& patterns, const Values& defaults,
-                                     const std::string& manifest) {
-    std::vector<ManifestJob> jobs;
+/// Files that a job writes; none of a job that cannot run, which is refused later.
+std::vector<std::string> filesWrittenBy(const ManifestJob& job) {
+    try {
+        return outputFiles(parseJob(job.arguments));
+    } catch (const igeo::Error&) {
+        return {};
+    }
+}
+
+/// Takes out the files that the batch writes itself, which an earlier run of it may have left.
+/// @param files   those of the jobs
+/// @param others  files of the batch that no job writes
+void leaveOutOwnFiles(const std::vector<fs::path>& files, const fs::path& folder,
+                      const std::set<std::string>& others, Manifest& read) {
+    std::multimap<std::string, std::size_t> writers;
+    for (std::size_t k = 0; k < files.size(); ++k)
+        for (const std::string& file : filesWrittenBy(read.jobs[k]))
+            writers.emplace(wholeName((folder / file).string()), k);
+    std::vector<ManifestJob> kept;
+    for (std::size_t k = 0; k < files.size(); ++k) {
+        const std::string whole = wholeName((folder / files[k]).string());
+        const auto [begin, end] = writers.equal_range(whole);
+        // A job that writes its own input is refused later.
+        const bool isOwn = others.count(whole) > 0 ||
+                           std::any_of(begin, end, [&](const auto& w) { return w.second != k; });
+        if (isOwn)
+            read.leftOut.push_back(files[k].string());
+        else
+            kept.push_back(std::move(read.jobs[k]));
+    }
+    read.jobs = std::move(kept);
+}
+
+/// Adds the jobs of "files": a pattern, or a list of patterns.
+void addJobsOfFiles(const Json& patterns, const Values& defaults, const std::string& manifest,
+                    const std::set<std::string>& others, Manifest& read) {
+    const fs::path folder = fs::path(wholeName(manifest)).parent_path();
+    std::vector<fs::path> files;
     for (const Json& pattern : patterns.is_array() ? patterns : Json::array({patterns})) {
         if (!pattern.is_string())
             inputError(manifest + ": \"files\" is no pattern, nor a list of them",
                        "write for instance \"scans/*.obj\"");
         const std::string text = pattern.get<std::string>();
-        const std::vector<fs::path> files = filesLike(text, fs::absolute(manifest).parent_path());
-        if (files.empty())
+        const std::vector<fs::path> found = filesLike(text, folder);
+        if (found.empty())
             inputError(manifest + ": no file is like '" + text + "'",
                        "* and ? stand for letters of the name; folders are those of the manifest");
-        for (const fs::path& file : files) jobs.push_back(jobOfFile(file, defaults, manifest));
+        files.insert(files.end(), found.begin(), found.end());
     }
-    return jobs;
+    for (const fs::path& file : files) read.jobs.push_back(jobOfFile(file, defaults, manifest));
+    leaveOutOwnFiles(files, folder, others, read);
+    if (read.jobs.empty())
+        inputError(manifest + ": the batch writes all files itself that are like its \"files\"",
+                   "name others, which it is to read");
 }
 
 /// A JSON document with jobs, or the rows of a table as one.
@@ -163,13 +206,15 @@ Json manifestOf(const std::string& file) {
 
 }  // namespace
 
-std::vector<ManifestJob> readManifest(const std::string& file) {
+Manifest readManifest(const std::string& file, const std::set<std::string>& others) {
+    Manifest read;
     Json manifest = manifestOf(file);
     const bool hasVersion =
         manifest.is_object() && manifest.contains("version") && manifest["version"] == 2;
-    if (hasVersion && manifest.contains("jobs") && manifest["jobs"].is_string())
-        manifest["jobs"] = jobsOfTable(
-            (fs::path(file).parent_path() / manifest["jobs"].get<std::string>()).string());
+    if (hasVersion && manifest.contains("jobs") && manifest["jobs"].is_string()) {
+        read.table = (fs::path(file).parent_path() / manifest["jobs"].get<std::string>()).string();
+        manifest["jobs"] = jobsOfTable(read.table);
+    }
     const bool hasJobs = hasVersion && manifest.contains("jobs") && manifest["jobs"].is_array();
     if (!hasVersion || hasJobs == manifest.contains("files"))
         inputError(
@@ -189,17 +234,17 @@ std::vector<ManifestJob> readManifest(const std::string& file) {
                        "names belong to jobs; the option --name is written \"--name\"");
         defaults = valuesOf(given, file + ": defaults");
     }
-    std::vector<ManifestJob> jobs;
+    std::vector<ManifestJob>& jobs = read.jobs;
     if (hasJobs)
         for (const Json& entry : manifest["jobs"])
             jobs.push_back(jobOf(entry, defaults, file, jobs.size()));
     else
-        jobs = jobsOfFiles(manifest["files"], defaults, file);
+        addJobsOfFiles(manifest["files"], defaults, file, others, read);
     std::set<std::string> names;
     for (const ManifestJob& job : jobs)
         if (!names.insert(job.name).second)
             inputError(file + ": two jobs are named '" + job.name + "'",
                        "give each a name of its own: results are recorded by it");
     if (jobs.empty()) inputError(file + " has no jobs", "add some to \"jobs\"");
-    return jobs;
+    return read;
 }

@@ -135,7 +135,7 @@ std::vector<std::string> commandOf(const std::vector<std::string>& files,
 }  // namespace
 
 std::string joinedMatrix(const std::vector<std::string>& files, const std::string& output) {
-    const std::string ending = output == "-" ? ".csv" : endingOf(output);
+    const std::string ending = endingOf(output);
     std::vector<MatrixPart> parts;
     for (const std::string& file : files) {
         parts.push_back(readPart(file));
@@ -163,8 +163,8 @@ std::string joinedMatrix(const std::vector<std::string>& files, const std::strin
     matrix.withReasons =
         whole.contains("parameters") && whole["parameters"].value("skipOffSurface", false);
     if (whole["asymmetry"].is_null()) igeo::makeSymmetric(matrix);
-    if (ending == ".csv") return igeo::matrixCsv(matrix);
     if (ending == ".npy") return igeo::matrixNpy(matrix);
+    if (ending != ".json") return igeo::matrixCsv(matrix);
 
     whole.erase("rows");
     whole["command"] = commandOf(files, output);

@@ -29,7 +29,7 @@ struct BatchPlan {
 /// Files by their absolute names.
 struct BatchFiles {
     std::string manifest, summary;
-    std::string log, view;  ///< empty: none
+    std::string table, log, view;  ///< empty: none
 };
 
 /// Parses and checks all jobs, and selects those of a shard. File names in the jobs are relative to

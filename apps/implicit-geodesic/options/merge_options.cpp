@@ -1,6 +1,5 @@
 #include "options/merge_options.h"
 
-#include "file_ending.h"
 #include "options/command.h"
 
 Command mergeCommand(MergeOptions& o) {
@@ -32,12 +31,5 @@ Command mergeCommand(MergeOptions& o) {
                           "or .npy",
                   .reads = flag(o.matrix)}});
     command.add("Run", {helpOption()});
-    command.check = [&o] {
-        const std::string ending = endingOf(o.output);
-        const bool known = ending == ".csv" || ending == ".json" || ending == ".npy";
-        if (o.matrix && o.output != "-" && !known)
-            usageError("-o " + o.output + ": the ending is none of .csv .json .npy",
-                       "name the file with one of them");
-    };
     return command;
 }

@@ -233,51 +233,51 @@ std::string volumeFile(const RunOptions& o, const std::string* grid) {
 }  // namespace
 
 const std::vector<ResultKind>& resultKinds() {
-    using Options = const RunOptions&;
+    using Run = const RunOptions&;
     using Name = const std::string*;
     static const char* const kCurveFiles = ".json .csv .obj .ply .vtp .usda";
     static const std::vector<ResultKind> kinds{
         {"-o", "distance", ".vdb", volumeFile, {.seeds = true}, writeVolume},
-        {"--paths", "paths", kCurveFiles, [](Options o, Name) { return o.paths; }, {}, writePaths},
+        {"--paths", "paths", kCurveFiles, [](Run o, Name) { return o.paths; }, {}, writePaths},
         {"--mesh-out",
          "mesh",
          ".ply .vtp .glb .obj",
-         [](Options o, Name) { return o.meshOut; },
+         [](Run o, Name) { return o.meshOut; },
          {.seeds = true, .band = true},
          writeMesh},
         {"--per-vertex",
          "vertices",
          ".csv .npy .npz .ply .vtp .gii .obj",
-         [](Options o, Name) { return o.perVertex; },
+         [](Run o, Name) { return o.perVertex; },
          {.seeds = true, .mesh = true, .band = true},
          writeVertices},
         {"--samples",
          "samples",
          ".npz .csv .ply",
-         [](Options o, Name) { return o.samples; },
+         [](Run o, Name) { return o.samples; },
          {.seeds = true, .jet = true},
          writeSamples},
         {"--isolines",
          "isolines",
          kCurveFiles,
-         [](Options o, Name) { return o.isolines; },
+         [](Run o, Name) { return o.isolines; },
          {.seeds = true, .band = true},
          writeIsolines},
         {"--matrix",
          "matrix",
          ".csv .json .npy",
-         [](Options o, Name) { return o.matrix; },
+         [](Run o, Name) { return o.matrix; },
          {.seeds = true, .jet = true, .points = true},
          writeMatrix},
         {"--pairs-out", "pairs", ".csv .json", pairsFile, {.jet = true}, writePairs},
-        {"--image", "image", ".png", [](Options o, Name) { return o.image; }, {}, writePicture},
+        {"--image", "image", ".png", [](Run o, Name) { return o.image; }, {}, writePicture},
         {"--view",
          "view",
          ".html",
-         [](Options o, Name) { return o.view; },
+         [](Run o, Name) { return o.view; },
          {.viewer = true, .bandOfMesh = true},
          writeViewPage},
-        {"--report", "report", "", [](Options o, Name) { return o.report; }, {}, nullptr}};
+        {"--report", "report", "", [](Run o, Name) { return o.report; }, {}, nullptr}};
     return kinds;
 }
 
