@@ -591,6 +591,7 @@ class Batch(TempWorkspace):
         refused("whole matrix", parts=("across.json",))
         refused("no matrix", parts=("jobs.summary.json",))
         refused(".npy", parts=parts, output="no.txt", code=USAGE)
+        self.one_way(["between-1.json", "between-2.json", "between-3.json"])
         before = (self.folder / parts[0]).read_bytes()
         done = self.program("batch", "merge", "--matrix", *parts, "-o", parts[0])
         self.assertEqual(done.returncode, USAGE)
@@ -599,6 +600,24 @@ class Batch(TempWorkspace):
         done = self.program("--sdf", "torus.vdb", "--sample", 3, "--matrix", "m.csv", "--matrix-rows", "1/2")
         self.assertEqual(done.returncode, USAGE)
         self.assertIn("--matrix-rows", done.stderr)
+
+    def one_way(self, parts):
+        """A row that lacks a distance which a column has, and a warning of one part alone."""
+        part = json.loads((self.folder / parts[0]).read_text())
+        part["distance"][0][5] = None
+        self.write(part, "lost.json")
+        other = json.loads((self.folder / parts[1]).read_text())
+        other["warnings"].append("of this part")
+        self.write(other, "other.json")
+        words = "1 of 21 pairs of seeds have a path in one direction only"
+        for output in ("one-way.csv", "one-way.json"):
+            done = self.program("batch", "merge", "--matrix", "lost.json", "other.json", parts[2], "-o", output)
+            self.assertEqual((done.returncode, done.stderr.count(f"warning: {words}")), (DONE, 1), done.stderr)
+        self.valid("matrix.schema.json", "one-way.json")
+        whole = json.loads((self.folder / "one-way.json").read_text())
+        self.assertEqual(whole["distance"][0][5], whole["distance"][5][0])
+        self.assertEqual(whole["warnings"][:-1], [*part["warnings"], "of this part"])
+        self.assertIn(words, whole["warnings"][-1])
 
 
 class SlurmNames(unittest.TestCase):

@@ -329,7 +329,7 @@ int merge(const MergeOptions& options, Console& console) {
     checkOutputFiles({{"-o", options.output, options.matrix ? ".csv .json .npy" : ""}},
                      options.parts);
     if (options.matrix) {
-        writeDocument(options.output, joinedMatrix(options.parts, options.output));
+        writeDocument(options.output, joinedMatrix(options.parts, options.output, console));
         return kDone;
     }
     const Summary summary = mergedSummary(options.parts);

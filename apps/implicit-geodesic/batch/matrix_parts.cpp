@@ -8,6 +8,7 @@
 
 #include "file_ending.h"
 #include "json_file.h"
+#include "option_words.h"
 
 namespace {
 
@@ -50,7 +51,7 @@ MatrixPart readPart(const std::string& file) {
         if (!part.document.contains("rows"))
             inputError(file + " is a whole matrix, no part of one",
                        "parts are written by --matrix FILE.json --matrix-rows K/N");
-        for (const char* list : {"seeds", "targets", "distance"})
+        for (const char* list : {"seeds", "targets", "distance", "warnings"})
             if (!part.document.at(list).is_array())
                 inputError(file + ": '" + list + "' is no list", "write it again");
         part.document["rows"].at("first").get_to(part.first);
@@ -87,6 +88,11 @@ void addCost(Json& whole, const Json& part) {
         memory = nullptr;
     else
         memory = std::max(memory, part["peakMemoryBytes"]);
+}
+
+void addWarning(Json& whole, const Json& warning) {
+    Json& all = whole["warnings"];
+    if (std::find(all.begin(), all.end(), warning) == all.end()) all.push_back(warning);
 }
 
 /// All parts must agree in everything except the rows: surface, points, program.
@@ -134,7 +140,8 @@ std::vector<std::string> commandOf(const std::vector<std::string>& files,
 
 }  // namespace
 
-std::string joinedMatrix(const std::vector<std::string>& files, const std::string& output) {
+std::string joinedMatrix(const std::vector<std::string>& files, const std::string& output,
+                         const Console& console) {
     const std::string ending = endingOf(output);
     std::vector<MatrixPart> parts;
     for (const std::string& file : files) {
@@ -163,12 +170,18 @@ std::string joinedMatrix(const std::vector<std::string>& files, const std::strin
     matrix.withReasons =
         whole.contains("parameters") && whole["parameters"].value("skipOffSurface", false);
     if (whole["asymmetry"].is_null()) igeo::makeSymmetric(matrix);
+    const std::string oneWay = inOptionWords(igeo::oneWayWarning(matrix));
+    if (!oneWay.empty()) console.warning(oneWay);
     if (ending == ".npy") return igeo::matrixNpy(matrix);
     if (ending != ".json") return igeo::matrixCsv(matrix);
 
     whole.erase("rows");
     whole["command"] = commandOf(files, output);
-    for (std::size_t k = 1; k < parts.size(); ++k) addCost(whole, parts[k].document);
+    for (std::size_t k = 1; k < parts.size(); ++k) {
+        addCost(whole, parts[k].document);
+        for (const Json& warning : parts[k].document["warnings"]) addWarning(whole, warning);
+    }
+    if (!oneWay.empty()) addWarning(whole, oneWay);
     whole["distance"] = Json::array();
     for (std::size_t s = 0; s < matrix.seeds.size(); ++s) {
         Json row = Json::array();
