@@ -2,6 +2,8 @@
 #include <support/catch.h>
 
 #include <cmath>
+#include <filesystem>
+#include <set>
 
 #include "program.h"
 
@@ -127,6 +129,70 @@ TEST_CASE("all documents of a run say alike how it was made") {
     CHECK(matrix["targets"][1] == target["target"]);
     CHECK((matrix["distance"][0][0].is_number() && matrix["distance"][0][1].is_null()));
     CHECK((pair["distance"].is_null() && pair["target"]["reason"] == "off the surface"));
+}
+
+TEST_CASE(
+    "documents of runs with results of every kind hold to the schemas, of which all are used") {
+    const TempWorkspace desk;
+    desk.make("in.vdb", "sphere --voxel-size 0.1");
+    writeBytes(desk / "in.obj",
+               "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\nf 1 3 5\nf 3 2 5\n"
+               "f 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n");
+    writeBytes(desk / "pairs.csv", "1,0,0,0,0,1\n0,1,0,0,0,1\n");
+    writeBytes(desk / "curve.csv", "1,0,0\n0,1,0\n");
+    const bool viewer = desk.run("--version").out.find("no --view") == std::string::npos;
+    const std::string curves =
+        " --pairs pairs.csv --via 1,0,0;0,1,0;0,0,1 --shoot 0,0,1,1,0,0,0.5 ";
+    const std::vector<std::pair<std::string, std::string>> runs{
+        {"--mesh in.obj --resolution 16 --seed +z --sample 2 --target +x --straighten" + curves +
+             "-o o.vdb --grids gradient,label --mesh-out m.ply --per-vertex v.csv --samples s.csv "
+             "--image i.png --image-size 80x60" +
+             (viewer ? " --view v.html" : ""),
+         "report geodesics isolines matrix pairs"},
+        {"--sdf in.vdb --seed-curve curve.csv --weight-curvature valley --obstacle-sphere "
+         "0,0,-1,0.3 --target 0,0,1" +
+             curves,
+         "report geodesics isolines pairs"},
+        {"--sdf in.vdb --rebuild --snap 0.2" + curves, "report geodesics pairs"},
+        {"--sdf in.vdb --seed 0,0,1 --scheme godunov --target 1,0,0", "report geodesics isolines"}};
+    const std::map<std::string, std::string> options{{"report", "--report"},
+                                                     {"geodesics", "--paths"},
+                                                     {"isolines", "--isolines"},
+                                                     {"matrix", "--matrix"},
+                                                     {"pairs", "--pairs-out"}};
+    std::set<std::string> used;
+    const auto require = [&](const std::string& schema, const std::string& document) {
+        INFO(schema);
+        requireValid(desk, schema + ".schema.json", document);
+        used.insert(schema + ".schema.json");
+    };
+    for (const auto& [run, documents] : runs) {
+        std::string line = run + " -q";
+        for (const std::string& name : split(documents))
+            line += " " + options.at(name) + " " + name + ".json";
+        requireDone(desk, line);
+        INFO(line);
+        for (const std::string& name : split(documents)) require(name, name + ".json");
+        if (&run == &runs.front().first)  // all but the report itself
+            CHECK(readJson(desk / "report.json")["outputs"].size() == (viewer ? 10 : 9));
+    }
+    for (const std::string file : {"in.vdb", "in.obj"}) {
+        writeBytes(desk / "survey.json", desk.run("info --json " + file).out);
+        require("info", "survey.json");
+    }
+    writeBytes(desk / "jobs.json",
+               R"({"version": 2, "defaults": {"sdf": "in.vdb", "report": "{name}.report.json"},
+                   "jobs": [{"name": "a", "seed": [0, 0, 1], "output": "a.vdb"},
+                            {"name": "b", "via": "1,0,0;0,1,0"},
+                            {"name": "off", "seed": [9, 9, 9], "output": "off.vdb"}]})");
+    REQUIRE(desk.run("batch jobs.json -q").exitCode == 2);
+    require("batch", "jobs.json");
+    require("summary", "jobs.summary.json");
+    require("report", "b.report.json");
+    for (const auto& entry : std::filesystem::directory_iterator(IGEO_SOURCE_DIR "/docs")) {
+        const std::string name = entry.path().filename().string();
+        if (name.ends_with(".schema.json")) CHECK(used.count(name) == 1);
+    }
 }
 
 TEST_CASE("documents differ in times and memory only, and with SOURCE_DATE_EPOCH in nothing") {
