@@ -277,7 +277,7 @@ class Batch(TempWorkspace):
         self.write(jobs)
         said = self.batch(code=UNUSABLE)
         self.assertIn("error: job 'off': seed 0 (5,0,0) is 3.6", said)
-        self.assertIn("warning: job 'apart' is done, but a target is unreached", said)
+        self.assertIn("warning: job 'apart' is done, but a target, pair or --via is unreached", said)
         self.assertIn(f"error: 2 of {COUNT + 3} jobs failed: off, gone\n", said)
         states = self.statuses()
         self.assertEqual([n for n, s in states.items() if s == "failed"], ["off", "gone"])
@@ -295,7 +295,7 @@ class Batch(TempWorkspace):
         self.assertEqual(self.ran(said), {"gone"})
         jobs["jobs"][COUNT]["seed"] = [1.4, 0, 0]
         self.write(jobs)
-        self.assertIn("targets are unreached in apart", self.batch(code=UNREACHED))
+        self.assertIn("but a target, pair or --via is unreached in apart", self.batch(code=UNREACHED))
 
     def test_one_set_of_options_for_many_files(self):
         scans = self.folder / "scans"

@@ -317,7 +317,11 @@ TEST_CASE("pairs: unreached pairs end with 4, wrong files are refused") {
     const Result result = desk.run("--sdf in.vdb --pairs p.csv");
     CHECK(result.exitCode == 4);
     CHECK(lines(result.out)[1].substr(0, 6) == "0,inf,");
-    CHECK(result.err.find("1 pairs") != std::string::npos);
+    CHECK_THAT(result.err, contains("1 pair solved"));
+    CHECK_THAT(result.err, contains("joins the points of 1 pair\n"));
+    writeBytes(desk / "skip.csv", "-1.2,0,0,-1.2,0,0\n-1.2,0,0,9,9,9\n");
+    CHECK_THAT(desk.run("--sdf in.vdb --pairs skip.csv --skip-off-surface").err,
+               contains("1 of 2 pairs is off the surface and has no distance"));
     writeBytes(desk / "bad.csv", "1,2,3\n1,2,3,4,5\n");
     requireRefused(desk, "--sdf in.vdb --pairs bad.csv", kUnusable,
                    {"bad.csv", "line 1", "x,y,z,x,y,z"});

@@ -283,7 +283,7 @@ void Batch::writeSummary() {
         if (!job.done())
             Console::error(name + ": " + job.what, job.remedy);
         else if (job.exitCode == kUnreached)
-            console_.warning(name + " is done, but a target is unreached");
+            console_.warning(name + " is done, but a target, pair or --via is unreached");
         else
             console_.info(name + " is done");
     }

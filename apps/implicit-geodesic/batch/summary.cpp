@@ -203,7 +203,8 @@ void tell(const Summary& summary, const std::string& file, Console& console) {
         Console::error(std::to_string(failed.size()) + " of " + all + " failed: " + listed(failed),
                        "'" + file + "' says why; the next run of the batch continues with them");
     else if (!unreached.empty())
-        console.warning(done + ", but targets are unreached in " + listed(unreached));
+        console.warning(done + ", but a target, pair or --via is unreached in " +
+                        listed(unreached));
     else
         console.info(done);
 }

@@ -27,7 +27,7 @@ struct JobRecord {
     }
     /// Whether its results exist.
     bool done() const;
-    /// "waiting", "done", "unreached" (done, but a target is unreached) or "failed"
+    /// "waiting", "done", "unreached" (done, but a target, pair or --via is unreached) or "failed"
     const char* status() const;
     /// Whether another record is of the same work and its results, apart from times and memory.
     bool sameOutcome(const JobRecord& other) const;

@@ -13,7 +13,7 @@ Command batchCommand(BatchOptions& o) {
                       {1, "failed, or the largest code of a job that failed"},
                       {2, "wrong usage"},
                       {3, "unusable input or output"},
-                      {4, "all jobs are done, but a target is unreached"},
+                      {4, "all jobs are done, but a target, pair or --via is unreached"},
                       {130, "interrupted"}},
         .examples = {{"implicit-geodesic batch jobs.json",
                       "all jobs of jobs.json; after an interruption: those that are left"},

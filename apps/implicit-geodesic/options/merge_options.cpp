@@ -14,7 +14,7 @@ Command mergeCommand(MergeOptions& o) {
                       {1, "failed, or the largest code of a job that failed"},
                       {2, "wrong usage"},
                       {3, "unusable or incomplete input"},
-                      {4, "all jobs are done, but a target is unreached"}},
+                      {4, "all jobs are done, but a target, pair or --via is unreached"}},
         .examples = {{"implicit-geodesic batch merge jobs.summary-1-of-2.json "
                       "jobs.summary-2-of-2.json -o jobs.summary.json",
                       "one summary of both shards"},

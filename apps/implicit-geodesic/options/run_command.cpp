@@ -152,7 +152,7 @@ Command runCommand(RunOptions& o) {
                          {1, "failed"},
                          {2, "wrong usage"},
                          {3, "unusable input or output"},
-                         {4, "done, but a target is unreached"},
+                         {4, "done, but a target, pair or --via is unreached"},
                          {130, "interrupted"}};
     command.examples = {
         {"implicit-geodesic data/trefoil.vdb --seed 0,-0.42,0",

@@ -105,15 +105,17 @@ int tellVias(const RunReport& report, const Console& console) {
     return code;
 }
 
+std::string pairsText(std::size_t n) { return fmt::format("{} pair{}", n, n == 1 ? "" : "s"); }
+
 int tellPairs(const RunReport& report, const Console& console) {
     if (report.pairs.empty()) return kDone;
     std::size_t skipped = 0, lost = 0;
     for (const igeo::PairDistance& p : report.pairs)
         p.isSkipped() ? ++skipped : lost += !(p.distance < igeo::kInfinity);
-    console.info(std::to_string(report.pairs.size() - skipped) + " pairs solved");
+    console.info(pairsText(report.pairs.size() - skipped) + " solved");
     if (lost > 0)
         console.warning(
-            fmt::format("no path on the surface joins the points of {} pairs{}", lost,
+            fmt::format("no path on the surface joins the points of {}{}", pairsText(lost),
                         report.obstacles.empty() ? "" : ", or an obstacle holds one of them"));
     return lost + skipped > 0 ? kUnreached : kDone;
 }
@@ -161,8 +163,9 @@ std::string skippedWarning(const char* what, std::size_t all, const std::vector<
                            std::size_t skipped) {
     std::string list;
     for (const std::string& one : few) list += (list.empty() ? "" : "; ") + one;
-    return fmt::format("{} of {} {} are off the surface and have no distance: {}{}", skipped, all,
-                       what, list, skipped > few.size() ? "; ..." : "");
+    return fmt::format("{} of {} {} {} off the surface and {} no distance: {}{}", skipped, all,
+                       what, skipped == 1 ? "is" : "are", skipped == 1 ? "has" : "have", list,
+                       skipped > few.size() ? "; ..." : "");
 }
 
 void warnOfSkippedPoints(const igeo::Distance& distance, RunReport& report) {
