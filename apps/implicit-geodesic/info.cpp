@@ -337,7 +337,8 @@ int info(const InfoOptions& options, Console& console, ConsoleProgress& progress
     const std::string& unreliable = options.unreliable;
     if (!unreliable.empty()) checkUnreliable(options);
     const auto start = std::chrono::steady_clock::now();
-    const FileSurvey file = surveyOf(options, progress);
+    FileSurvey file = surveyOf(options, progress);
+    for (std::string& warning : file.warnings) warning = inOptionWords(warning);
     // A refusal is a result here, but the reader may still have damaged the heap.
     const FileGuard reporting(options.source.text(), FileGuard::kNoLimit);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;

@@ -148,6 +148,8 @@ TEST_CASE("options without effect are refused, with what would make them matter"
         BadLine{"--image-size 80x60", {"--image-size", "--image"}},
         BadLine{"--camera 1,2,3", {"--camera", "--image"}}, BadLine{"--up y", {"--up", "--image"}},
         BadLine{"--color-map magma", {"--color-map", "--mesh-out"}},
+        BadLine{"--color-map magma --mesh-out m.vtp", {"--color-map", "holds colors"}},
+        BadLine{"--color-map magma --matrix m.csv", {"--color-map", "holds colors"}},
         BadLine{"--order 2", {"--order", "--scheme godunov"}},
         BadLine{"--curvature-scale 3", {"--curvature-scale", "--weight-curvature"}},
         BadLine{"--pairs-out p.csv", {"--pairs-out", "--pairs"}});
@@ -161,6 +163,56 @@ TEST_CASE("options without effect are refused, with what would make them matter"
                                       BadLine{"--grids label", {"--grids", "a seed"}},
                                       BadLine{"--name d", {"--name", "a seed"}});
     requireRefused(desk, "--sdf none.vdb --pairs p.csv " + seedless.line, kUsage, seedless.says);
+}
+
+namespace {
+
+const std::string kNoMesh = "--mesh none.obj ", kAt = "--seed vertex:1 ",
+                  kShot = "--shoot 0,0,1,1,0,0,1 --paths p.json ",
+                  kVia = "--via vertex:1;vertex:2 --paths p.json ";
+
+}  // namespace
+
+TEST_CASE("options are refused where no point, no march and no colors are for them") {
+    const TempWorkspace desk;
+    const std::string mesh = kNoMesh, at = kAt, shot = mesh + kShot, via = mesh + kVia;
+    const BadLine bad = GENERATE_COPY(
+        BadLine{mesh + at + "--space index", {"--space has no effect", "x,y,z"}},
+        BadLine{mesh + "--sample 3 --space index", {"--space has no effect"}},
+        BadLine{via + "--space index", {"--space has no effect"}},
+        BadLine{mesh + "--sample 3 --snap 1", {"--snap has no effect", "a point to move"}},
+        BadLine{mesh + "--seed-mask m.vdb --snap 1", {"--snap has no effect"}},
+        BadLine{shot + "--scheme godunov", {"--scheme has no effect", "a seed"}},
+        BadLine{via + "--scheme godunov", {"--scheme has no effect", "a seed"}},
+        BadLine{shot + "--weight w.vdb", {"--weight has no effect", "a seed, --pairs or --via"}},
+        BadLine{shot + "--weight-curvature valley", {"--weight-curvature has no effect"}},
+        BadLine{shot + "--weight-slope max=30deg", {"--weight-slope has no effect"}},
+        BadLine{shot + "--metric m.vdb", {"--metric has no effect"}},
+        BadLine{shot + "--metric-curvature avoid", {"--metric-curvature has no effect"}},
+        BadLine{shot + "--obstacle o.vdb", {"--obstacle has no effect"}},
+        BadLine{shot + "--obstacle-sphere 0,0,0,1", {"--obstacle-sphere has no effect"}},
+        BadLine{shot + "--obstacle-box 0,0,0,1,1,1", {"--obstacle-box has no effect"}},
+        BadLine{mesh + at + "--color-map gray --per-vertex v.csv", {"--color-map", "colors"}},
+        BadLine{mesh + at + "--color-map gray --per-vertex v.gii", {"--color-map", "colors"}},
+        BadLine{mesh + at + "--color-map gray --per-vertex -", {"--color-map", "colors"}});
+    requireRefused(desk, bad.line, kUsage, bad.says);
+}
+
+TEST_CASE("where options have an effect, it is the file that is missing") {
+    const TempWorkspace desk;
+    const std::string mesh = kNoMesh, at = kAt, shot = mesh + kShot, via = mesh + kVia,
+                      pair = mesh + "--pairs p.csv ";
+    const std::string good = GENERATE_COPY(
+        mesh + at + "--space index --target 0,0,1", mesh + "--seeds s.csv --space index",
+        mesh + "--via vertex:1;0,0,1 --paths p.json --space index", shot + "--space index",
+        shot + "--snap 1", pair + "--snap 1", mesh + "--seed-curve c.csv --snap 1",
+        "--points none.xyz --shoot 0,0,1,1,0,0,1 --scheme godunov", shot + at + "--scheme godunov",
+        shot + at + "--weight w.vdb", via + "--weight w.vdb", pair + "--obstacle-sphere 0,0,0,1",
+        mesh + at + "--color-map gray --mesh-out -",
+        mesh + at + "--color-map gray --mesh-out m.glb",
+        mesh + at + "--color-map gray --per-vertex v.obj",
+        mesh + at + "--color-map gray --per-vertex v.csv --grids color");
+    requireRefused(desk, good, kUnusable, {"none."});
 }
 
 TEST_CASE("inOptionWords: what the library calls its parameters, the program calls its options") {

@@ -354,6 +354,23 @@ class Batch(TempWorkspace):
         (self.folder / "log.json").unlink()
         self.refused(points, UNUSABLE, "the batch writes all files itself that are like its \"files\"")
 
+    def test_defaults_without_effect_on_a_job_change_nothing_of_it(self):
+        """Also --order, which has an effect on --scheme godunov alone."""
+        shot = {"shoot": "1.4,0,0,0,1,0.3,1", "paths": "{name}.json", "report": "{name}.report.json"}
+        self.write({"version": 2, "defaults": {"sdf": "torus.vdb", "scheme": "godunov", "order": 1,
+                                               "obstacle-sphere": "0,1.4,0,0.2"},
+                    "jobs": [{"name": "march", "seed": [1.4, 0, 0], "output": "march.vdb"}, {"name": "shot", **shot}]})
+        said = self.program("batch", "jobs.json", "--dry-run").stdout
+        self.assertIn("--obstacle-sphere=0,1.4,0,0.2 --order=1 --output=march.vdb --scheme=godunov", said)
+        command = [line for line in said.splitlines() if "--shoot" in line][0].split()[1:]
+        self.assertEqual([word.split("=")[0] for word in command], ["--paths", "--report", "--sdf", "--shoot"])
+        self.batch()
+        together = (self.folder / "shot.json").read_bytes(), (self.folder / "shot.report.json").read_bytes()
+        self.assertEqual(self.program(*command).returncode, DONE)
+        self.assertEqual(((self.folder / "shot.json").read_bytes(), (self.folder / "shot.report.json").read_bytes()),
+                         together)
+        self.assertEqual(json.loads(together[1])["parameters"]["scheme"], "jet")
+
     def test_a_job_of_no_file_asks_for_none(self):
         for jobs in ([{"name": "a", "mesh": "{file}", "seed": "+x"}],
                      [{"name": "a", "mesh": "ball.obj", "seed": "+x", "output": "{file}.vdb"}]):

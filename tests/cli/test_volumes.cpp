@@ -64,6 +64,24 @@ TEST_CASE("a volume of voxels: from its header's world to a VDB there") {
     CHECK(readJson(desk / "r.json")["surface"]["voxelSize"] == Approx(0.1));
 }
 
+TEST_CASE("a mask has one surface, whatever --iso is, and a warning says so") {
+    const TempWorkspace desk;
+    writeBytes(desk / "mask.nrrd",
+               nrrd([](double x, double y, double z) { return ball(x, y, z) > 8 ? 1.0f : 0.0f; }));
+    const std::string run = "--volume mask.nrrd --seed 1,2,5 -o o.vdb --report r.json";
+    const std::string says = "--iso changes nothing between 0 and 1";
+    CHECK_THAT(desk.run(run).err, contains("is a mask") && !contains("--iso"));
+    const std::string bytes = readBytes(desk / "o.vdb");
+    for (const std::string iso : {"0.2", "0.5", "1"}) {
+        CHECK_THAT(desk.run(run + " --iso " + iso).err, contains(says));
+        CHECK((readBytes(desk / "o.vdb") == bytes));
+        CHECK_THAT(desk.run("info mask.nrrd --iso " + iso).out, contains(says));
+    }
+    writeBytes(desk / "head.nrrd", nrrd(ball));
+    CHECK_THAT(desk.run("--volume head.nrrd --iso 8 --seed 1,2,5 -o o.vdb").err,
+               !contains("changes nothing"));
+}
+
 TEST_CASE("info knows volumes of voxels") {
     const TempWorkspace desk;
     writeBytes(desk / "head.nrrd", nrrd(ball));

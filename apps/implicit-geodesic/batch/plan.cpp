@@ -24,11 +24,16 @@ const char* const kCreator = "implicit-geodesic ";
 
 /// Removes the defaults that have no effect on a job.
 void keepWhatMatters(BatchJob& job) {
-    for (const WithoutEffect& w : optionsWithoutEffect(job.options)) {
-        if (job.defaults.count(w.option) == 0) w.refuse();
-        std::erase_if(job.arguments, [&](const std::string& argument) {
-            return argument == w.option || argument.rfind(w.option + "=", 0) == 0;
-        });
+    // Options may have an effect on those alone that have none: --order on --scheme.
+    for (auto idle = optionsWithoutEffect(job.options); !idle.empty();
+         idle = optionsWithoutEffect(job.options)) {
+        for (const WithoutEffect& w : idle) {
+            if (job.defaults.count(w.option) == 0) w.refuse();
+            std::erase_if(job.arguments, [&](const std::string& argument) {
+                return argument == w.option || argument.rfind(w.option + "=", 0) == 0;
+            });
+        }
+        job.options = parseJob(job.arguments);
     }
 }
 

@@ -59,6 +59,33 @@ void checkGrids(const RunOptions& o) {
                    "polar coordinates are those about a point");
 }
 
+/// Whether a mesh with colors is written.
+bool colorsMesh(const RunOptions& o) {
+    const std::string perVertex = endingOf(o.perVertex);
+    return (!o.meshOut.empty() && endingOf(o.meshOut) != ".vtp") || perVertex == ".ply" ||
+           perVertex == ".obj";
+}
+
+bool hasCoordinates(const std::vector<igeo::AskedPoint>& points) {
+    return std::any_of(points.begin(), points.end(),
+                       [](const igeo::AskedPoint& p) { return p.vertex.empty(); });
+}
+
+/// Whether points are given by x,y,z, or may be: those in files are not known yet.
+bool hasCoordinates(const RunOptions& o) {
+    return hasCoordinates(o.seeds) || hasCoordinates(o.targets) || !o.shots.empty() ||
+           !o.seedFile.empty() || !o.targetFile.empty() || !o.seedCurves.empty() ||
+           !o.pairs.empty() || std::any_of(o.vias.begin(), o.vias.end(), [](const Via& via) {
+               return via.curve.points.empty() || hasCoordinates(via.curve.points);
+           });
+}
+
+/// Whether points are moved onto the surface.
+bool movesPoints(const RunOptions& o) {
+    return !o.seeds.empty() || !o.seedFile.empty() || !o.seedCurves.empty() || o.hasTargets() ||
+           !o.pairs.empty() || !o.shots.empty() || !o.vias.empty();
+}
+
 }  // namespace
 
 void checkSeeds(const RunOptions& o, const igeo::Seeds& seeds) {
@@ -85,6 +112,8 @@ void checkResults(const RunOptions& o) {
 std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& o) {
     const bool grids = !o.grids.empty(), drawn = !o.image.empty() || !o.view.empty();
     const bool lines = drawn || !o.isolines.empty() || o.asked(Grid::Engraved);
+    const bool marches = o.hasSeeds() || !o.pairs.empty() || !o.vias.empty();
+    const char* const marchers = "a seed, --pairs or --via";
     const bool curved = o.weightCurvature || o.metricCurvature || o.asked(Grid::Curvature);
     const struct {
         bool given, used;
@@ -117,9 +146,23 @@ std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& o) {
          "--image, --view or --mesh-out FILE.glb"},
         {o.perSeed, !o.perVertex.empty() && endingOf(o.perVertex) != ".obj", "--per-seed",
          "--per-vertex FILE that holds columns (.csv .npy .npz .ply .vtp .gii)"},
-        {!o.colorMap.empty(),
-         drawn || !o.meshOut.empty() || !o.perVertex.empty() || o.asked(Grid::Color), "--color-map",
-         "--image, --view, --mesh-out, --per-vertex or --grids color"},
+        {!o.colorMap.empty(), drawn || o.asked(Grid::Color) || colorsMesh(o), "--color-map",
+         "--image, --view, --grids color, or --mesh-out or --per-vertex FILE that holds colors "
+         "(.ply .obj, of --mesh-out also .glb)"},
+        {o.space == igeo::Space::Index, hasCoordinates(o), "--space", "a point given by x,y,z"},
+        {o.snap.has_value(), movesPoints(o), "--snap",
+         "a point to move: of seeds, curves, targets, --pairs, --shoot or --via"},
+        // Points become another surface for godunov.
+        {o.scheme == igeo::Scheme::Godunov, o.hasSeeds() || o.kind == SurfaceKind::Points,
+         "--scheme", "a seed"},
+        {!o.weights.empty(), marches, "--weight", marchers},
+        {o.weightCurvature.has_value(), marches, "--weight-curvature", marchers},
+        {o.weightSlope.has_value(), marches, "--weight-slope", marchers},
+        {o.metric.has_value(), marches, "--metric", marchers},
+        {o.metricCurvature.has_value(), marches, "--metric-curvature", marchers},
+        {!o.obstacles.empty(), marches, "--obstacle", marchers},
+        {!o.obstacleSpheres.empty(), marches, "--obstacle-sphere", marchers},
+        {!o.obstacleBoxes.empty(), marches, "--obstacle-box", marchers},
         {o.order.has_value(), o.scheme == igeo::Scheme::Godunov, "--order", "--scheme godunov"},
         {o.curvatureScale > 0, curved, "--curvature-scale",
          "--weight-curvature, --metric-curvature or --grids curvature"}};

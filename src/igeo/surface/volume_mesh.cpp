@@ -247,7 +247,11 @@ TriangleMesh volumeMesh(const VoxelVolume& volume, std::optional<double> asked,
     if (range.isMask)
         mesh.warnings.push_back(
             "the volume is a mask: its staircase was smoothed, and every voxel stays on its side "
-            "of the surface");
+            "of the surface" +
+            (asked ? fmt::format("; the iso of volumeMesh() changes nothing between {:.6g} and "
+                                 "{:.6g}",
+                                 range.low, range.high)
+                   : ""));
     weld(mesh);
     if (mesh.triangles.empty())
         throw Error(Kind::BadInput,

@@ -36,7 +36,7 @@ VolumeFacts volumeFacts(const VoxelVolume& volume);
 /// A mask (two values) is a staircase, on which paths are some percent too long at any spacing. It
 /// is smoothed first: values next to the surface are averaged with their neighbors, and every voxel
 /// keeps its side (after the constraint of R. T. Whitaker, Reducing aliasing artifacts in
-/// iso-surfaces of binary volumes, 2000). A warning says so.
+/// iso-surfaces of binary volumes, 2000). A warning says so, and that `iso` has no effect then.
 /// @param iso  none: for a mask halfway between its values; other volumes need one
 /// @throws Error  BadInput where there is no such surface and where `iso` is missing;
 ///         InvalidArgument for an `iso` beyond the values; Cancelled through `progress`
