@@ -66,7 +66,7 @@ public:
     /// @throws Error  as checkLevelSet
     explicit Surface(const openvdb::FloatGrid& psi, Progress& progress = Progress::none());
     explicit Surface(LoadedGrid psi, Progress& progress = Progress::none());
-    /// Triangles, open or closed, welded and split at junctions (readMesh does both).
+    /// Triangles, open or closed, welded and split at junctions: by readMesh or, in memory, meshOf.
     /// @throws Error  as requireVoxelSize and requireReasonable, InvalidArgument for
     ///         VoxelOptions::joinGaps of more than 64 voxels
     explicit Surface(TriangleMesh mesh, const VoxelOptions& voxels = {},
