@@ -219,6 +219,32 @@ TEST_CASE("mesh junctions: points in all edges of one triangle", "[mesh]") {
     }
 }
 
+TEST_CASE("mesh junctions: faces that cross are counted as given, not in pieces", "[mesh]") {
+    // A hem of small squares below a large triangle, which becomes a fan of 100 pieces.
+    constexpr std::uint32_t kPieces = 100;
+    std::vector<Vec3d> points{{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}};
+    std::vector<TriangleMesh::Triangle> triangles{{0, 1, 2}};
+    for (std::uint32_t k = 0; k <= kPieces; ++k)
+        for (const double y : {0.0, -0.01}) points.push_back({double(k) / kPieces, y, 0});
+    for (std::uint32_t a = 3; a < 3 + 2 * kPieces; a += 2) {
+        triangles.push_back({a, a + 1, a + 3});
+        triangles.push_back({a, a + 3, a + 2});
+    }
+    TriangleMesh mesh = flatMesh(points, triangles);
+    splitAtJunctions(mesh);
+    CHECK(mesh.triangles.size() == 3 * kPieces);
+    CHECK(mesh.unsplit.size() == 2 * kPieces + 1);
+    CHECK(meshFacts(mesh).crossingPairs == 0);
+    const auto first = std::uint32_t(points.size());
+    points.insert(points.end(), {{0.1, 0.3, -1}, {0.9, 0.3, -1}, {0.5, 0.3, 1}});
+    triangles.push_back({first, first + 1, first + 2});
+    mesh = flatMesh(points, triangles);
+    splitAtJunctions(mesh);
+    CHECK(meshFacts(mesh).crossingPairs == 1);
+    weld(mesh);
+    CHECK(mesh.unsplit.empty());
+}
+
 TEST_CASE("mesh junctions: distances and paths are those of a box without them", "[mesh]") {
     double distances = 0, paths = 0;
     for (const Motion& place : kPlaces) {

@@ -140,6 +140,7 @@ void cut(std::array<std::vector<PointNumber>, 3> sides, const std::vector<Vec3d>
 }  // namespace
 
 void splitAtJunctions(TriangleMesh& mesh) {
+    mesh.unsplit.clear();
     const std::vector<Junction> junctions = Junctions(mesh).found();
     if (junctions.empty()) return;
     std::vector<TriangleMesh::Triangle> pieces;
@@ -158,7 +159,7 @@ void splitAtJunctions(TriangleMesh& mesh) {
         }
         cut(std::move(sides), mesh.points, pieces);
     }
-    mesh.triangles = std::move(pieces);
+    mesh.unsplit = std::exchange(mesh.triangles, std::move(pieces));
     mesh.junctions = std::size_t(std::count(isJunction.begin(), isJunction.end(), true));
 }
 

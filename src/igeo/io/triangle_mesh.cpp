@@ -154,6 +154,7 @@ Turns findTurns(const TriangleMesh& mesh, const MeshTopology& topology) {
 }  // namespace
 
 void weld(TriangleMesh& mesh) {
+    mesh.unsplit.clear();
     // A point without a triangle, however far away, says nothing about the size of S.
     Box box;
     for (const Triangle& t : mesh.triangles)

@@ -23,6 +23,7 @@ struct TriangleMesh {
     std::size_t dropped = 0;            ///< triangles with two equal corners, or duplicates
     std::size_t repeated = 0;           ///< of these the duplicates
     std::size_t junctions = 0;          ///< points at which splitAtJunctions() split edges
+    std::vector<Triangle> unsplit;      ///< the triangles before; empty unless it split some
     std::vector<std::string> warnings;  ///< for the user, one sentence each
 
     /// Points this close are the same, as a share of the diagonal of the bounding box.
@@ -50,7 +51,8 @@ void weld(TriangleMesh& mesh);
 ///
 /// A point splits an edge within kSame of it, as in weld(), if a boundary edge that ends in the
 /// point runs along it. A point that only touches does not. The pieces of a triangle take its place
-/// in the order of triangles; points and source stay. Counts the points in `junctions`.
+/// in the order of triangles; points and source stay. Counts the points in `junctions`, and keeps
+/// the triangles as they were in `unsplit`.
 /// @param mesh  welded
 /// Time O(n log n) for n boundary edges, and O(triangles).
 void splitAtJunctions(TriangleMesh& mesh);

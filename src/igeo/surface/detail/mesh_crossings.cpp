@@ -100,7 +100,8 @@ private:
 /// Triangles along a Morton curve, with the boxes of a complete binary tree over runs of kRun.
 class TriangleTree {
 public:
-    explicit TriangleTree(const TriangleMesh& mesh);
+    TriangleTree(const std::vector<Vec3d>& points,
+                 const std::vector<TriangleMesh::Triangle>& triangles);
 
     std::size_t runs() const { return (box_.size() + kRun - 1) / kRun; }
     /// Calls visit(a, b) once for each pair of triangles whose boxes meet, the first in run r.
@@ -133,17 +134,17 @@ std::uint64_t spread(std::uint64_t x) {
     return (x | x << 2) & 0x1249249249249249;
 }
 
-TriangleTree::TriangleTree(const TriangleMesh& mesh) {
-    const std::size_t n = mesh.triangles.size();
-    const Box all(mesh.points);
+TriangleTree::TriangleTree(const std::vector<Vec3d>& points,
+                           const std::vector<TriangleMesh::Triangle>& triangles) {
+    const std::size_t n = triangles.size();
+    const Box all(points);
     const Vec3d middle = 0.5 * (all.low + all.high);
     const double cells = double((1 << 21) - 1) / std::max(all.longestSide(), 1e-300);
     std::vector<std::pair<std::uint64_t, std::uint32_t>> order(n);
     parallelFor(n, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t) {
-            const auto& [a, b, c] = mesh.triangles[t];
-            const Vec3d p =
-                ((mesh.points[a] + mesh.points[b] + mesh.points[c]) * (1.0 / 3) - all.low) * cells;
+            const auto& [a, b, c] = triangles[t];
+            const Vec3d p = ((points[a] + points[b] + points[c]) * (1.0 / 3) - all.low) * cells;
             order[t] = {spread(std::uint64_t(p.x)) << 2 | spread(std::uint64_t(p.y)) << 1 |
                             spread(std::uint64_t(p.z)),
                         std::uint32_t(t)};
@@ -155,8 +156,8 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) {
     parallelFor(n, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             triangle_[k] = order[k].second;
-            for (const std::uint32_t v : mesh.triangles[triangle_[k]]) {
-                const Vec3f p(mesh.points[v] - middle);
+            for (const std::uint32_t v : triangles[triangle_[k]]) {
+                const Vec3f p(points[v] - middle);
                 box_[k].include(p, p);
             }
         }
@@ -192,9 +193,12 @@ void TriangleTree::forPairs(std::size_t r, const Visit& visit) const {
 }  // namespace
 
 std::size_t crossingPairs(const TriangleMesh& mesh, double tolerance, const Progress& progress) {
-    const TriangleTree tree(mesh);
+    // The pieces of a triangle with many points in an edge are long and beside each other, and all
+    // boxes of two would meet.
+    const auto& triangles = mesh.unsplit.empty() ? mesh.triangles : mesh.unsplit;
+    const TriangleTree tree(mesh.points, triangles);
     const auto cornersOf = [&](std::uint32_t t) {
-        const auto& [a, b, c] = mesh.triangles[t];
+        const auto& [a, b, c] = triangles[t];
         return Corners{mesh.points[a], mesh.points[b], mesh.points[c]};
     };
     std::atomic<std::size_t> pairs{0};

@@ -11,8 +11,8 @@ namespace igeo {
 /// What is counted at most: a polygon of 10,000 corners may have a hundred million crossings.
 constexpr std::size_t kMostCrossingPairs = 1'000'000;
 
-/// The pairs of triangles that cross, or overlap in one plane; kMostCrossingPairs where there are
-/// that many or more.
+/// The pairs of triangles, as they were before splitAtJunctions(), that cross, or overlap in one
+/// plane; kMostCrossingPairs where there are that many or more.
 ///
 /// Two triangles cross where no axis separates them: along each of the normals and the products of
 /// two edges (separating axes) they overlap by more than `tolerance`. So triangles that only touch
