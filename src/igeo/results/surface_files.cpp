@@ -1,6 +1,7 @@
 #include <igeo/results/surface_files.h>
 
 #include <fmt/core.h>
+#include <igeo/base/detail/box.h>
 #include <igeo/io/vtp_file.h>
 #include <igeo/results/detail/glb.h>
 #include <igeo/results/detail/ply_writer.h>
@@ -27,13 +28,25 @@ std::vector<double> flat(const std::vector<Vec3f>& vectors) {
     return numbers;
 }
 
+/// Rounding that results do not notice, voxels.
+constexpr double kNoticed = 1e-3;
+
+/// Where a node holds the mesh so that single precision suffices for its vertices: at the origin if
+/// it does anyway, else in the middle of the mesh, rounded to single precision itself.
+Vec3d placeOf(const std::vector<Vec3d>& positions, double noticed) {
+    const auto position = [&](std::size_t v) { return positions[v]; };
+    if (isSingle(positions.size(), position, noticed)) return {};
+    const Box box(positions);
+    return Vec3d(Vec3f(0.5 * (box.low + box.high)));
+}
+
 }  // namespace
 
 std::string surfacePly(const SurfaceMesh& given, const Similarity& transform, const Color& color) {
     const SurfaceMesh mesh = inWorld(given, transform);
     PlyWriter ply("geodesic distance, world units; -1: not reached", mesh.position.size());
     using Type = PlyProperty::Type;
-    ply.addVector(Type::Float, {"x", "y", "z"}, [&](std::size_t v) { return mesh.position[v]; });
+    ply.addPositions([&](std::size_t v) { return mesh.position[v]; }, kNoticed * transform.dx);
     ply.addVector(Type::Float, {"nx", "ny", "nz"},
                   [&](std::size_t v) { return Vec3d(mesh.normal[v]); });
     ply.addColors(colorsOf(mesh.distance, color));
@@ -84,7 +97,8 @@ std::string surfaceGlb(const SurfaceMesh& given, const Similarity& transform, co
     const std::vector<Vec3f> colors = colorsOf(mesh.distance, color);
     const double largest = largestOf(mesh.distance);
     GlbWriter glb(n);
-    glb.addVectors("POSITION", [&](std::size_t v) { return Vec3f(mesh.position[v]); });
+    const Vec3d place = placeOf(mesh.position, kNoticed * transform.dx);
+    glb.addVectors("POSITION", [&](std::size_t v) { return Vec3f(mesh.position[v] - place); });
     glb.addVectors("NORMAL", [&](std::size_t v) { return mesh.normal[v]; });
     glb.addVectors("COLOR_0", [&](std::size_t v) { return colors[v]; });
     auto isReached = [&](std::size_t v) { return mesh.distance[v] < kInfinity; };
@@ -97,7 +111,7 @@ std::string surfaceGlb(const SurfaceMesh& given, const Similarity& transform, co
     glb.addNumbers("_LABEL", [&](std::size_t v) {
         return mesh.label[v] == kNoLabel ? -1.0f : float(mesh.label[v]);
     });
-    return glb.bytes(mesh.triangles, up);
+    return glb.bytes(mesh.triangles, up, place);
 }
 
 }  // namespace igeo

@@ -27,16 +27,25 @@ std::string chunk(const char* kind, std::string content, char filler) {
     return bytes + content;
 }
 
-/// The node of the mesh, rotated by the least angle that takes `up` to y.
-std::string nodeJson(const Vec3d& up) {
+/// The node of the mesh, moved to `place`, then rotated by the least angle that takes `up` to y.
+std::string nodeJson(const Vec3d& up, Vec3d place) {
+    std::string json = R"({"mesh":0)";
     const Vec3d from = normalized(up), y{0, 1, 0};
-    if (from == y) return R"({"mesh":0})";
-    Vec3d axis = cross(from, y);
-    double w = 1 + dot(from, y);
-    if (w < 1e-12) axis = {1, 0, 0}, w = 0;
-    const double scale = 1 / std::sqrt(dot(axis, axis) + w * w);
-    return fmt::format(R"({{"mesh":0,"rotation":[{:.17g},{:.17g},{:.17g},{:.17g}]}})",
-                       axis.x * scale + 0.0, axis.y * scale + 0.0, axis.z * scale + 0.0, w * scale);
+    if (from != y) {
+        Vec3d axis = cross(from, y);
+        double w = 1 + dot(from, y);
+        if (w < 1e-12) axis = {1, 0, 0}, w = 0;
+        const double scale = 1 / std::sqrt(dot(axis, axis) + w * w);
+        axis = scale * axis, w *= scale;
+        json += fmt::format(R"(,"rotation":[{:.17g},{:.17g},{:.17g},{:.17g}])", axis.x + 0.0,
+                            axis.y + 0.0, axis.z + 0.0, w);
+        const Vec3d across = cross(axis, place);
+        place += 2 * (w * across + cross(axis, across));
+    }
+    if (place != Vec3d{})
+        json += fmt::format(R"(,"translation":[{:.17g},{:.17g},{:.17g}])", place.x + 0.0,
+                            place.y + 0.0, place.z + 0.0);
+    return json + "}";
 }
 
 }  // namespace
@@ -84,7 +93,7 @@ void GlbWriter::addNumbers(const char* name, const std::function<float(std::size
 }
 
 std::string GlbWriter::bytes(const std::vector<std::array<std::uint32_t, 3>>& triangles,
-                             const Vec3d& up) const {
+                             const Vec3d& up, const Vec3d& place) const {
     std::string buffer = buffer_;
     for (const auto& t : triangles)
         for (const std::uint32_t v : t) putLittleEndian(buffer, v);
@@ -92,7 +101,7 @@ std::string GlbWriter::bytes(const std::vector<std::array<std::uint32_t, 3>>& tr
         R"({{"asset":{{"version":"2.0","generator":"implicit-geodesic {}"}},"scene":0,)"
         R"("scenes":[{{"nodes":[0]}}],"nodes":[{}],)"
         R"("meshes":[{{"primitives":[{{"attributes":{{{}}},"indices":{},"material":0}}]}}],)",
-        kVersion, nodeJson(up), attributes_, count_);
+        kVersion, nodeJson(up, place), attributes_, count_);
     // Open surfaces are visible from both sides; colors show the distance, without lighting.
     json += R"("materials":[{"pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":1},)"
             R"("doubleSided":true}],)";

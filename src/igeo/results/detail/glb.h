@@ -20,10 +20,12 @@ public:
     void addPairs(const char* name, const std::function<Vec2f(std::size_t)>& value);
     void addNumbers(const char* name, const std::function<float(std::size_t)>& value);
 
-    /// @param up  the direction that the mesh's rotation takes to y, which is up in glTF
+    /// @param up     the direction that the mesh's rotation takes to y, which is up in glTF
+    /// @param place  where the origin of the positions is; the node of the mesh holds it in double
+    ///               precision
     /// @throws Error  InvalidArgument for 4 GiB and more
-    std::string bytes(const std::vector<std::array<std::uint32_t, 3>>& triangles,
-                      const Vec3d& up) const;
+    std::string bytes(const std::vector<std::array<std::uint32_t, 3>>& triangles, const Vec3d& up,
+                      const Vec3d& place) const;
 
 private:
     /// @param bounds  JSON of the least and largest numbers, if they are to be written

@@ -44,6 +44,16 @@ bool isReached(double distance) { return distance < kInfinity; }
 
 }  // namespace
 
+bool isSingle(std::size_t points, const std::function<Vec3d(std::size_t)>& position,
+              double noticed) {
+    for (std::size_t v = 0; v < points; ++v) {
+        const Vec3d exact = position(v), off = Vec3d(Vec3f(exact)) - exact;
+        for (int a = 0; a < 3; ++a)
+            if (!(std::abs(off[a]) <= noticed)) return false;
+    }
+    return true;
+}
+
 double largestOf(const std::vector<double>& distance) {
     double largest = 0;
     for (const double d : distance)
@@ -80,11 +90,9 @@ void PlyWriter::addColors(const std::vector<Vec3f>& colors) {
     });
 }
 
-void PlyWriter::addPositions(std::function<Vec3d(std::size_t)> position) {
-    bool isSingle = true;
-    for (std::size_t v = 0; v < vertices_ && isSingle; ++v)
-        isSingle = Vec3d(Vec3f(position(v))) == position(v);
-    addVector(isSingle ? Type::Float : Type::Double, {"x", "y", "z"}, std::move(position));
+void PlyWriter::addPositions(std::function<Vec3d(std::size_t)> position, double noticed) {
+    const Type type = isSingle(vertices_, position, noticed) ? Type::Float : Type::Double;
+    addVector(type, {"x", "y", "z"}, std::move(position));
 }
 
 void PlyWriter::addDistances(const std::vector<double>& distance, std::vector<std::int32_t> label) {

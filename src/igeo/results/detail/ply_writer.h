@@ -32,8 +32,8 @@ public:
                    std::function<Vec3d(std::size_t)> value);
     /// Colors from 0 to 1 as red, green and blue.
     void addColors(const std::vector<Vec3f>& colors);
-    /// x, y and z: double where single precision would change a number.
-    void addPositions(std::function<Vec3d(std::size_t)> position);
+    /// x, y and z: double where single precision would move a point by more than `noticed`.
+    void addPositions(std::function<Vec3d(std::size_t)> position, double noticed = 0);
     /// `distance`; `quality`, the same for MeshLab; `label`; and the share of the largest distance
     /// as texture coordinates, under the names that Blender (s, t) and MeshLab (texture_u,
     /// texture_v) read: (distance / largest, 0), or (0, 1) where unreached.
@@ -51,6 +51,10 @@ private:
     std::size_t vertices_;
     std::vector<PlyProperty> properties_;
 };
+
+/// Whether single precision moves no point by more than `noticed` along an axis.
+bool isSingle(std::size_t points, const std::function<Vec3d(std::size_t)>& position,
+              double noticed);
 
 /// The largest finite number; 0 if there is none.
 double largestOf(const std::vector<double>& distance);
