@@ -24,7 +24,7 @@ no_openvdb='base band march path'
 # and the files excepted. Tests may use TBB, JSON and POSIX directly.
 guarded='
 CLI/       src apps tests  apps/implicit-geodesic/options/command_line.cpp
-nlohmann/  src apps        src/igeo/io/point_list.cpp apps/implicit-geodesic/json_file.h
+nlohmann/  src apps        src/igeo/io/data_files.cpp src/igeo/io/point_list.cpp apps/implicit-geodesic/json_file.h
 zlib.h     src apps        src/igeo/base/detail/deflate.cpp
 png.h      src apps        src/igeo/results/detail/canvas.cpp
 ft2build.h src apps        src/igeo/results/detail/font.cpp

@@ -204,3 +204,28 @@ TEST_CASE("slopes that are too steep leave a seed without a path") {
 
 }  // namespace
 }  // namespace igeo::test
+TEST_CASE("results do not overwrite the data beside a header, and documents name them") {
+    const TempWorkspace desk;
+    const std::string all = nrrd(ball);
+    const std::size_t data = all.find("\n\n") + 2;
+    writeBytes(desk / "head.nhdr", all.substr(0, data - 1) + "data file: data.ply\n");
+    writeBytes(desk / "data.ply", all.substr(data));
+    writeBytes(desk / "p.gltf",
+               R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                       "min": [0, 0, 0], "max": [1, 1, 0]}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"uri": "p%71.ply", "byteLength": 36}]})");
+    writeBytes(desk / "pq.ply", bytesOf(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}));
+    requireRefused(desk, "--volume head.nhdr --iso 8 --seed 1,2,5 -o o.vdb --mesh-out data.ply",
+                   kUsage, {"data.ply would overwrite the input"});
+    requireRefused(desk, "--mesh p.gltf --seed 0.2,0.2,0 -o o.vdb --mesh-out pq.ply", kUsage,
+                   {"pq.ply would overwrite the input"});
+    requireDone(desk, "--volume head.nhdr --iso 8 --seed 1,2,5 -o o.vdb --report r.json -q");
+    const json inputs = readJson(desk / "r.json")["inputs"];
+    REQUIRE(inputs.size() == 2);
+    CHECK(inputs[1]["file"] == "data.ply");
+    CHECK(inputs[1]["digest"].is_string());
+}
+

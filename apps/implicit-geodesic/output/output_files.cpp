@@ -3,6 +3,7 @@
 #include <igeo/base/atomic_file.h>
 #include <igeo/base/detail/system.h>
 #include <igeo/base/detail/text.h>
+#include <igeo/io/data_files.h>
 #include <igeo/results/picture_options.h>
 
 #include <algorithm>
@@ -27,6 +28,7 @@ std::vector<std::string> inputFiles(const RunOptions& o) {
         for (const igeo::GridSource& source : *list) files.push_back(source.file);
     if (o.metric) files.push_back(o.metric->file);
     files.erase(std::remove(files.begin(), files.end(), ""), files.end());
+    for (const std::string& beside : igeo::dataFilesOf(o.source.file)) files.push_back(beside);
     return files;
 }
 

@@ -1,3 +1,4 @@
+#include <igeo/io/data_files.h>
 #include <igeo/io/volume_file.h>
 #include <support/binary.h>
 #include <support/catch.h>
@@ -404,6 +405,26 @@ TEST_CASE("NRRD without space directions takes spacings and the ranges of axes",
     CHECK(readVolume(dir.write("b.nrrd",
                                "\xEF\xBB\xBF" + kNrrd + "encoding: raw\n\n" + bytesOf(counted())))
               .values == counted());
+}
+
+TEST_CASE("the data files that headers and scenes name", "[volume]") {
+    const TempDir dir;
+    const auto files = [](std::vector<std::string> names) { return names; };
+    dir.write("a.nhdr", "NRRD0005\ntype: float\ndata file: my a.raw\n\n");
+    CHECK(dataFilesOf(dir / "a.nhdr") == files({dir / "my a.raw"}));
+    CHECK(dataFilesOf(dir.write("b.nrrd", "NRRD0005\ntype: float\n\n")).empty());
+    CHECK(dataFilesOf(dir.write("c.nhdr", "no header")).empty());
+    CHECK(dataFilesOf(dir / "none.nhdr").empty());
+    CHECK(dataFilesOf(dir / "a.hdr") == files({dir / "a.img"}));
+    dir.write("b.img.gz", "");
+    CHECK(dataFilesOf(dir / "b.hdr") == files({dir / "b.img.gz"}));
+    CHECK(dataFilesOf(dir / "b.img.gz") == files({dir / "b.hdr.gz"}));
+    CHECK(dataFilesOf(dir / "b.nii").empty());
+    const std::string scene =
+        R"({"buffers": [{"uri": "a%20b.bin"}, {"uri": "data:;base64,AA"}, {}, {"uri": "c.bin"}]})";
+    CHECK(dataFilesOf(dir.write("a.gltf", scene)) == files({dir / "a b.bin", dir / "c.bin"}));
+    CHECK(dataFilesOf(dir.write("b.gltf", "no scene")).empty());
+    CHECK(dataFilesOf(dir.write("a.obj", "")).empty());
 }
 
 TEST_CASE("NRRD that is no volume of numbers is refused", "[volume]") {

@@ -153,14 +153,14 @@ std::string besides(const std::string& file, const std::string& from, const std:
     return other;
 }
 
-/// The bytes of `name`, or of `name` with .gz added or removed, whichever exists.
-std::string bytesOfEither(const std::string& name) {
+/// `name`, or `name` with .gz added or removed, whichever exists.
+std::string eitherOf(const std::string& name) {
     std::error_code ignored;
     const std::string other =
         name.ends_with(".gz") ? name.substr(0, name.size() - 3) : name + ".gz";
-    return fileBytes(
-        !std::filesystem::exists(name, ignored) && std::filesystem::exists(other, ignored) ? other
-                                                                                           : name);
+    const bool isOther =
+        !std::filesystem::exists(name, ignored) && std::filesystem::exists(other, ignored);
+    return isOther ? other : name;
 }
 
 }  // namespace
@@ -196,9 +196,9 @@ VoxelVolume niftiFrom(const std::string& file, const std::string& header, const 
     return volume;
 }
 
-VoxelVolume readNifti(const std::string& file) {
+std::string otherOfPair(const std::string& file) {
     const std::string ending = endingBeforeGz(file);
-    if (ending == ".nii") return niftiFrom(file, fileBytes(file), "");
+    if (ending == ".nii") return "";
     const std::string written = std::filesystem::path(file.ends_with(".gz") || file.ends_with(".GZ")
                                                           ? file.substr(0, file.size() - 3)
                                                           : file)
@@ -206,9 +206,14 @@ VoxelVolume readNifti(const std::string& file) {
                                     .string();
     const bool upper = written == ".HDR" || written == ".IMG";
     const char *const hdr = upper ? ".HDR" : ".hdr", *const img = upper ? ".IMG" : ".img";
-    if (ending == ".hdr")
-        return niftiFrom(file, fileBytes(file), bytesOfEither(besides(file, hdr, img)));
-    return niftiFrom(file, bytesOfEither(besides(file, img, hdr)), fileBytes(file));
+    return eitherOf(ending == ".hdr" ? besides(file, hdr, img) : besides(file, img, hdr));
+}
+
+VoxelVolume readNifti(const std::string& file) {
+    const std::string ending = endingBeforeGz(file), other = otherOfPair(file);
+    if (other.empty()) return niftiFrom(file, fileBytes(file), "");
+    if (ending == ".hdr") return niftiFrom(file, fileBytes(file), fileBytes(other));
+    return niftiFrom(file, fileBytes(other), fileBytes(file));
 }
 
 }  // namespace igeo

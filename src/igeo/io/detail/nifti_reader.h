@@ -11,6 +11,10 @@ namespace igeo {
 /// @throws Error  Io, and BadInput, as readVolume; values are not checked
 VoxelVolume readNifti(const std::string& file);
 
+/// The other file of a pair, the .img to a .hdr and the .hdr to an .img, with or without .gz; empty
+/// for .nii.
+std::string otherOfPair(const std::string& file);
+
 /// The same from bytes.
 /// @param header, data  all of the two files, with or without gzip; data empty: they follow the
 ///                header in the same file

@@ -212,6 +212,12 @@ void readPlace(const NrrdHeader& header, VoxelVolume& volume) {
     if (!origin.empty()) volume.origin = {origin[0], origin[1], origin[2]};
 }
 
+/// The data file that a header names; empty: there is none.
+std::string dataFileOf(const NrrdHeader& header, const std::string& file) {
+    const std::string name = header.field("data file", "datafile");
+    return name.empty() ? "" : (std::filesystem::path(file).parent_path() / name).string();
+}
+
 /// The number in a field; 0 if there is none.
 double numberOr0(const NrrdHeader& header, const char* name) {
     const std::vector<double> numbers = header.numbers(name);
@@ -296,11 +302,15 @@ VoxelVolume readNrrd(const std::string& file, const std::string& bytes) {
     if (const std::string name = header.field("data file", "datafile"); !name.empty()) {
         if (name.starts_with("LIST") || name.find('%') != name.npos)
             header.refuse("has its data in several files", "write them into one file");
-        beside = fileBytes((std::filesystem::path(file).parent_path() / name).string());
+        beside = fileBytes(dataFileOf(header, file));
         data = beside;
     }
     volume.values = valuesOf(header, file, behindLines(header, data), *type, count);
     return volume;
+}
+
+std::string nrrdDataFile(const std::string& file, std::string_view begin) {
+    return dataFileOf(NrrdHeader(file, begin), file);
 }
 
 }  // namespace igeo

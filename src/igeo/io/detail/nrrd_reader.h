@@ -4,6 +4,7 @@
 #include <igeo/io/voxel_volume.h>
 
 #include <string>
+#include <string_view>
 
 namespace igeo {
 
@@ -12,5 +13,10 @@ namespace igeo {
 /// @throws Error  Io for a data file that cannot be read, and BadInput, as readVolume; values are
 ///         not checked
 VoxelVolume readNrrd(const std::string& file, const std::string& bytes);
+
+/// The data file that a header names; empty: there is none.
+/// @param begin  the header, or the first bytes of the file
+/// @throws Error  BadInput for other kinds of files
+std::string nrrdDataFile(const std::string& file, std::string_view begin);
 
 }  // namespace igeo
