@@ -1,6 +1,7 @@
 // Where results and messages go when all is well.
 #include <support/catch.h>
 
+#include <cstdlib>
 #include <filesystem>
 
 #include "program.h"
@@ -154,6 +155,22 @@ TEST_CASE("a target that a limit left out is reported as such") {
     CHECK(result.exitCode == 4);
     CHECK_THAT(result.err, contains("target 0") && contains("beyond the distance"));
     CHECK(desk.files().size() == 3);
+}
+
+TEST_CASE("stdin and pipes without an ending are refused where the ending tells the format") {
+    const TempWorkspace desk;
+    const TempDir elsewhere;
+    const std::string pipe = elsewhere / "pipe";
+    REQUIRE(std::system(("mkfifo " + pipe).c_str()) == 0);
+    for (const std::string option : {"--mesh ", "--points ", "--volume "}) {
+        const std::string rest = option == "--volume " ? " --iso 1 --seed 0,0,1" : " --seed 0,0,1";
+        requireRefused(desk, option + "-" + rest, kUsage,
+                       {option + "-: standard input has no ending", "into a file", "--sdf"});
+        requireRefused(desk, option + pipe + rest, kUsage,
+                       {"pipe: this pipe has no ending", "into a file"});
+    }
+    requireRefused(desk, "--sdf " + pipe + " --seed 0,0,1", kUsage,
+                   {"this is a pipe", "--sdf - and give"});
 }
 
 }  // namespace igeo::test

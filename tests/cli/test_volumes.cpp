@@ -151,6 +151,9 @@ TEST_CASE("values per vertex block, weigh and are seeds") {
           Approx(2 * std::hypot(0.3, 0.6)).epsilon(0.021));             // measured 1.4 %
     CHECK(desk.run(run + "--obstacle wall.txt:0").exitCode == kUsage);  // the seed is inside
     requireDone(desk, run + "--weight weight.csv");
+    requireRefused(
+        desk, run + "--weight weight.csv:cost", kUsage,
+        {"'weight.csv' holds a value per vertex", "'cost'", "write --weight weight.csv"});
     CHECK(distanceIn(desk, "r.json") == Approx(1.8).epsilon(1e-3));
     const std::string from =
         "--mesh in.obj --resolution 100 --target 0.8,0,0 -o out.vdb --report "
@@ -202,8 +205,6 @@ TEST_CASE("slopes that are too steep leave a seed without a path") {
     CHECK(blocked.err.find("obstacle") != std::string::npos);
 }
 
-}  // namespace
-}  // namespace igeo::test
 TEST_CASE("results do not overwrite the data beside a header, and documents name them") {
     const TempWorkspace desk;
     const std::string all = nrrd(ball);
@@ -229,3 +230,5 @@ TEST_CASE("results do not overwrite the data beside a header, and documents name
     CHECK(inputs[1]["digest"].is_string());
 }
 
+}  // namespace
+}  // namespace igeo::test

@@ -40,6 +40,12 @@ private:
                 in_.definition.vertexWeights.push_back(vertexWeights(source.text(), surface_));
                 continue;
             }
+            if (igeo::isVertexDataFile(source.file))
+                throw igeo::Error(igeo::Error::Kind::InvalidArgument,
+                                  "--weight " + source.text() + ": '" + source.file +
+                                      "' holds a value per vertex, and no grid '" + source.grid +
+                                      "'",
+                                  "write --weight " + source.file);
             in_.definition.weights.push_back(
                 guardedRead(source.file, [&] { return igeo::readScalarGrid(source); }));
             warn(in_.definition.weights.back().warnings);

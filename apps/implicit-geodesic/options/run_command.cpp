@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include "output/result_checks.h"
@@ -33,8 +34,26 @@ void checkSurface(const RunOptions& o) {
                    "leave out one of the two");
 }
 
+/// Refuses standard input and pipes where they are not read.
+void checkIsFile(const RunOptions& o) {
+    const std::string& file = o.source.file;
+    const std::string given = optionFor(o.kind) + " " + file;
+    std::error_code ignored;
+    const bool isPipe = std::filesystem::is_fifo(file, ignored), isInput = file == "-";
+    if (o.kind == SurfaceKind::Volume && isPipe)
+        usageError(given + ": this is a pipe, and grids are read from files and standard input",
+                   "write --sdf - and give the file on standard input, or name the file");
+    if (o.kind != SurfaceKind::Volume &&
+        (isInput || (isPipe && !std::filesystem::path(file).has_extension())))
+        usageError(given + ": " + (isInput ? "standard input" : "this pipe") +
+                       " has no ending, which tells the format",
+                   "write it into a file with the ending of its format, and name that; only --sdf "
+                   "reads standard input");
+}
+
 /// Refuses a kind of surface that contradicts the name of the file.
 void checkKind(const RunOptions& o) {
+    checkIsFile(o);
     const std::string file = o.source.text();
     const SurfaceKind byName = kindByName(o.source.file);
     const auto refuse = [&](const std::string& given, const char* what, const std::string& remedy) {

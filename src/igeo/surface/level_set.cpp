@@ -287,6 +287,24 @@ double gradientShareBesideKinks(const LevelSet& s) {
     return sum(all) > 0 ? sum(good) / sum(all) : 0;
 }
 
+constexpr const char* kClampRemedy =
+    "clamp psi at 3 voxels or more and switch off the voxels that it clamps; or redistance it by "
+    "rebuilt(), which needs no more than the voxels beside the surface";
+
+/// Where many voxels hold the largest |psi|, as in dense grids of truncated distances: a sentence
+/// on that. Else empty.
+std::string clampOf(const LevelSet& s) {
+    constexpr double kMany = 0.05, kSame = 1 - 1e-6;
+    const double most = kSame * s.stats.halfWidth * s.transform.dx;
+    std::size_t clamped = 0;
+    for (const Leaf* leaf : leavesOf(*s.psi))
+        for (auto it = leaf->cbeginValueOn(); it; ++it) clamped += std::abs(double(*it)) >= most;
+    const double share = double(clamped) / double(std::max<std::size_t>(s.stats.activeVoxels, 1));
+    if (share < kMany) return "";
+    return fmt::format("; psi is clamped: {} of the voxels have the largest |psi|, {:.4g}",
+                       percent(share), s.stats.halfWidth * s.transform.dx);
+}
+
 void judgeGradient(LevelSet& s) {
     const LevelSetStats& st = s.stats;
     const char* const remedy =
@@ -309,11 +327,13 @@ void judgeGradient(LevelSet& s) {
                 100 * (1 - st.gradientShare)));
             return;
         }
+        const std::string clamp = clampOf(s);
         const std::string seen = fmt::format(
             "psi changes by {:.3g} per unit length (median), and {:.0f} % of its voxels lie in "
-            "[0.75, 1.25]; a signed distance has 1 and at least 70 %",
-            st.gradientMedian, 100 * st.gradientShare);
-        throw Error(Kind::BadInput, "psi is not a distance: " + seen + where(s), remedy);
+            "[0.75, 1.25]; a signed distance has 1 and at least 70 %{}",
+            st.gradientMedian, 100 * st.gradientShare, clamp);
+        throw Error(Kind::BadInput, "psi is not a distance: " + seen + where(s),
+                    clamp.empty() ? remedy : kClampRemedy);
     }
     if (st.gradientShare < 0.95)
         s.warnings.push_back(
@@ -351,12 +371,17 @@ void judgeRange(const LevelSet& s) {
                         " everywhere: there is no surface where it changes sign" + where(s),
                     "give a signed distance, negative inside; of an unsigned one, rebuilt(psi, D) "
                     "makes the surface at distance D; open surfaces can be given as TriangleMesh");
-    if (st.halfWidth < 0.9)
+    if (st.halfWidth < 0.9) {
+        const std::string clamp = clampOf(s);
         throw Error(
             Kind::BadInput,
-            fmt::format("active voxels reach only {:.3g} voxels from the surface, 1 is the least{}",
-                        st.halfWidth, where(s)),
-            "check that psi is in world units; rebuild the level set with a half-width of 3");
+            fmt::format(
+                "active voxels reach only {:.3g} voxels from the surface, 1 is the least{}{}",
+                st.halfWidth, clamp, where(s)),
+            clamp.empty()
+                ? "check that psi is in world units; rebuild the level set with a half-width of 3"
+                : kClampRemedy);
+    }
 }
 
 /// What differences of psi show.

@@ -94,6 +94,24 @@ TEST_CASE("checkLevelSet refuses values that are no distances") {
     expectRefusal(thin, {"not a distance", "no voxel has six active neighbors", "voxel units"});
 }
 
+TEST_CASE("checkLevelSet says of dense grids that they are clamped") {
+    const auto clampedAt = [](float voxels) {
+        auto grid = openvdb::FloatGrid::create(3 * float(kDx));
+        grid->setTransform(openvdb::math::Transform::createLinearTransform(kDx));
+        grid->setGridClass(openvdb::GRID_LEVEL_SET);
+        grid->setName("psi");
+        const float most = voxels * float(kDx);
+        for (auto at : openvdb::CoordBBox(openvdb::Coord(-28), openvdb::Coord(28))) {
+            const auto psi = float(grid->indexToWorld(at).length() - 1);
+            grid->tree().setValueOn(at, std::clamp(psi, -most, most));
+        }
+        return grid;
+    };
+    expectRefusal(clampedAt(3), {"not a distance", "psi is clamped: ", " of the voxels", "0.15",
+                                 "switch off", "rebuilt()"});
+    expectRefusal(clampedAt(0.5f), {"reach only 0.5 voxels", "psi is clamped: ", "switch off"});
+}
+
 TEST_CASE("checkLevelSet refuses what an open mesh becomes") {
     expectRefusal(bad("hollow"), {"hollow", "open mesh", "TriangleMesh"});
 }
