@@ -7,6 +7,7 @@
 #include <igeo/io/detail/file_bytes.h>
 #include <igeo/io/detail/gifti_reader.h>
 #include <igeo/io/detail/ply_reader.h>
+#include <igeo/io/detail/stl_reader.h>
 #include <igeo/io/detail/text_mesh_reader.h>
 #include <igeo/io/voxel_size.h>
 
@@ -259,6 +260,14 @@ void takePolygons(TriangleMesh& mesh, PolygonMesh polygons) {
     mesh.source = source;
 }
 
+/// STL has no vertex numbers: each triangle has corners of its own, which weld() joins.
+void readStl(TriangleMesh& mesh) {
+    mesh.points = readStlCorners(mesh.file, inflatedFileBytes(mesh.file));
+    requireRoom(mesh.points.size(), mesh.file);
+    for (std::uint32_t k = 0; k + 2 < mesh.points.size(); k += 3)
+        mesh.triangles.push_back({k, k + 1, k + 2});
+}
+
 /// Warns if all points are in single precision, as those of STL, and its rounding moves them by
 /// more than 1/400 voxel at a usual resolution.
 void warnOfRounding(TriangleMesh& mesh) {
@@ -302,9 +311,8 @@ void finish(TriangleMesh& mesh) {
 }  // namespace
 
 bool isMeshFile(const std::string& file) {
-    constexpr std::array<const char*, 3> kByAssimp{".stl", ".gltf", ".glb"};
     const std::string ending = endingBeforeGz(file);
-    return std::count(kByAssimp.begin(), kByAssimp.end(), ending) > 0 ||
+    return ending == ".stl" || ending == ".gltf" || ending == ".glb" ||
            polygonReaderFor(file) != nullptr;
 }
 
@@ -318,6 +326,8 @@ TriangleMesh readMesh(const std::string& file) {
     mesh.file = file;
     if (const PolygonReader reader = polygonReaderFor(file))
         takePolygons(mesh, reader(file, inflatedFileBytes(file)));
+    else if (endingBeforeGz(file) == ".stl")
+        readStl(mesh);
     else
         readScene(mesh);
     finish(mesh);

@@ -13,8 +13,9 @@ bool isMeshFile(const std::string& file);
 
 /// Reads all surfaces of a file as one mesh: polygons are cut into triangles, the transforms of a
 /// glTF scene applied, points and lines left out, and the mesh is welded (weld()) and split where
-/// corners lie in edges (splitAtJunctions()). STL and glTF are read by assimp. All other formats
-/// keep the numbers of their vertices (TriangleMesh::source) and may be gzip files (.gii.gz).
+/// corners lie in edges (splitAtJunctions()). glTF is read by assimp. All formats but STL and
+/// glTF keep the numbers of their vertices (TriangleMesh::source), and all but glTF may be gzip
+/// files (.gii.gz).
 ///
 /// GIFTI: positions are those of the array of points; transforms in the file are not applied.
 /// FreeSurfer: positions are those of the file, relative to the center that the geometry of the

@@ -1,9 +1,13 @@
+#include <igeo/io/detail/file_bytes.h>
 #include <igeo/io/mesh_file.h>
+#include <support/binary.h>
 #include <support/catch.h>
 #include <support/expect_error.h>
 #include <support/mesh_shapes.h>
 #include <support/temp_dir.h>
 
+#include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <iostream>
 #include <sstream>
@@ -309,6 +313,72 @@ TEST_CASE("a byte order mark before text is skipped", "[mesh]") {
         readMesh(dir.write("b.obj", mark + "v 9 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 2 3 4\n"));
     REQUIRE(square.source);
     CHECK(square.source->vertices.size() == 4);
+}
+
+TEST_CASE("STL in every form that other programs write", "[mesh]") {
+    const TempDir dir;
+    const auto facet = [](const char* normal, const char* corners) {
+        return std::string("facet normal ") + normal + "\n outer loop\n" + corners +
+               " endloop\nendfacet\n";
+    };
+    const std::string body =
+        facet("0 0 -1", "vertex 0 0 0\nvertex 0 1 0\nvertex 1 0 0\n") +
+        facet("-nan(ind) -nan(ind) -nan(ind)", "vertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\n") +
+        facet("nan nan 1.#QNAN", "vertex 0 0 0\nvertex 0 0 1\nvertex 0 1 0\n") +
+        facet("", "vertex 1 0 0\nvertex 0 1 0\nvertex 0 0 1\n");
+    const std::string text = "solid a vertex # 3\n# by hand\n" + body + "endsolid a\n";
+    std::string upper = text, oneLine = text, old = text;
+    for (char& c : upper) c = char(std::toupper(static_cast<unsigned char>(c)));
+    std::replace(oneLine.begin() + 30, oneLine.end(), '\n', ' ');
+    std::replace(old.begin(), old.end(), '\n', '\r');
+    const TriangleMesh mesh = readMesh(dir.write("a.stl", text));
+    test::writeMesh(mesh, dir / "binary.stl");
+    std::string binary = fileBytes(dir / "binary.stl");
+    binary.replace(0, 10, "solid part");
+    const std::size_t cut = body.find("facet normal nan");
+    const std::string two =
+        "solid\n" + body.substr(0, cut) + "endsolid\nsolid\n" + body.substr(cut) + "endsolid\n";
+    for (const auto& [name, bytes] : {std::pair<const char*, std::string>("text.stl", text),
+                                      {"upper.STL", upper},
+                                      {"line.stl", oneLine},
+                                      {"old.stl", old},
+                                      {"two.stl", two},
+                                      {"solid.stl", binary},
+                                      {"more.stl", binary + "trailing bytes of any kind"},
+                                      {"text.stl.gz", test::gzipped(text)},
+                                      {"binary.stl.gz", test::gzipped(binary)}}) {
+        INFO(name);
+        const TriangleMesh read = readMesh(dir.write(name, bytes));
+        CHECK(read.points == mesh.points);
+        CHECK(read.triangles == mesh.triangles);
+        CHECK(volume(read) == Approx(1.0 / 6));
+        CHECK(!read.source);
+    }
+    using test::expectError;
+    for (const auto& [bytes, says] :
+         {std::pair<std::string, const char*>(text.substr(0, text.size() - 12), "endsolid"),
+          {"solid a\n" + facet("0 0 1", "vertex 0 0 0\nvertex 1 0 0\n") + "endsolid\n",
+           "line 7: a facet has other than three"},
+          {"solid a\n" + facet("0 0 1", "vertex 0 0 0\nvertex 1 0\n") + "endsolid\n",
+           "line 5: z is missing"},
+          {"solid a\nv 0 0 0\nendsolid\n", "line 2: 'v' does not belong"},
+          {binary.substr(0, 150), "4 triangles are announced"},
+          {std::string("\0\1", 2), "no STL file"},
+          {"facet\n", "begins with solid"}})
+        expectError(Kind::BadInput, {"bad.stl", says},
+                    [&, &bytes = bytes] { readMesh(dir.write("bad.stl", bytes)); });
+}
+
+TEST_CASE("OBJ lines may end in carriage returns", "[mesh]") {
+    const TempDir dir;
+    for (const char* end : {"\r", "\n", "\r\n"}) {
+        std::string text;
+        for (const char* line : {"# a\tcomment", "v 0 0 0", "\tv\t1 0 0", "v 0 1 0", "f 1 2 3"})
+            text += std::string(line) + end;
+        CHECK(readMesh(dir.write("a.obj", text)).triangles.size() == 1);
+        test::expectError(Kind::BadInput, {"a.obj, line 6"},
+                          [&] { readMesh(dir.write("a.obj", text + "f 1 2 x" + end)); });
+    }
 }
 
 TEST_CASE("OBJ files that count vertices from 0 are refused as such", "[mesh]") {

@@ -36,6 +36,13 @@ std::string_view withoutByteOrderMark(std::string_view text) {
     return text;
 }
 
+std::string_view cutLine(std::string_view& text) {
+    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + (text.substr(end).starts_with("\r\n") ? 2 : 1), text.size()));
+    return line;
+}
+
 bool isGzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
 
 std::string inflatedFileBytes(const std::string& file) {

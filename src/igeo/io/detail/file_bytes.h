@@ -13,6 +13,10 @@ std::string fileBytes(const std::string& file);
 /// A text without the byte order mark with which spreadsheets and editors start files in UTF-8.
 std::string_view withoutByteOrderMark(std::string_view text);
 
+/// Cuts the first line off a text and returns it, without its end: a line feed, a carriage return
+/// or both.
+std::string_view cutLine(std::string_view& text);
+
 /// Whether bytes begin like a gzip file.
 bool isGzip(std::string_view bytes);
 

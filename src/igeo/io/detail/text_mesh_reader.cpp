@@ -6,6 +6,7 @@
 #include <igeo/io/detail/file_bytes.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <string_view>
 
@@ -18,16 +19,15 @@ constexpr std::string_view kLineBlank = " \t\r\f\v";
 /// The lines of a file, and the words of the current line.
 class Lines {
 public:
-    Lines(const std::string& file, std::string_view bytes)
-        : file_(file), bytes_(withoutByteOrderMark(bytes)) {}
+    /// @param hasComments  whether # begins one
+    Lines(const std::string& file, std::string_view bytes, bool hasComments = true)
+        : file_(file), bytes_(withoutByteOrderMark(bytes)), hasComments_(hasComments) {}
 
     /// Moves to the next line with a word; false at the end.
     bool next() {
-        while (at_ < bytes_.size()) {
-            const std::size_t end = std::min(bytes_.find('\n', at_), bytes_.size());
-            line_ = bytes_.substr(at_, end - at_);
-            line_ = line_.substr(0, line_.find('#'));
-            at_ = end + 1;
+        while (!bytes_.empty()) {
+            line_ = cutLine(bytes_);
+            if (hasComments_) line_ = line_.substr(0, line_.find('#'));
             ++number_;
             if (line_.find_first_not_of(kLineBlank) != line_.npos) return true;
         }
@@ -65,8 +65,9 @@ public:
 
 private:
     const std::string& file_;
-    std::string_view bytes_, line_;
-    std::size_t at_ = 0, number_ = 0;
+    std::string_view bytes_, line_;  ///< those left, and the rest of the current line
+    bool hasComments_;
+    std::size_t number_ = 0;
 };
 
 long long wholeNumber(std::string_view text, const Lines& lines) {
@@ -154,6 +155,36 @@ PolygonMesh readOffMesh(const std::string& file, const std::string& bytes) {
         mesh.addFace(face);
     }
     return mesh;
+}
+
+std::vector<Vec3d> readTextStlCorners(const std::string& file, const std::string& bytes) {
+    std::vector<Vec3d> corners;
+    Lines lines(file, bytes, /*hasComments=*/false);        // but lines: 1.#QNAN is a normal
+    bool isStl = false, isSolid = false, isNormal = false;  // what the next word is in
+    while (lines.next())
+        for (std::string word(lines.word()); !word.empty(); word = lines.word()) {
+            if (word[0] == '#') break;
+            for (char& c : word) c = char(std::tolower(static_cast<unsigned char>(c)));
+            if (word == "solid" || word == "endsolid") {
+                isStl = true;
+                isSolid = word == "solid";
+                break;  // its name follows
+            }
+            if (!isSolid) lines.fail("this is not an STL file, which begins with solid");
+            if (word == "facet") {
+                isNormal = true;
+            } else if (word == "outer") {
+                isNormal = false;
+            } else if (word == "vertex") {
+                corners.push_back(Vec3d(Vec3f(lines.position())));
+            } else if (word == "endfacet" && corners.size() % 3 != 0) {
+                lines.fail("a facet has other than three vertices");
+            } else if (!isNormal && word != "loop" && word != "endloop" && word != "endfacet") {
+                lines.fail(fmt::format("'{}' does not belong into a facet", word.substr(0, 40)));
+            }
+        }
+    if (!isStl || isSolid) lines.fail("the file ends before endsolid");
+    return corners;
 }
 
 }  // namespace igeo

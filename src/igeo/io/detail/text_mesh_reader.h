@@ -4,6 +4,7 @@
 #include <igeo/io/polygon_mesh.h>
 
 #include <string>
+#include <vector>
 
 namespace igeo {
 
@@ -22,5 +23,12 @@ PolygonMesh readObjMesh(const std::string& file, const std::string& bytes);
 ///         OFF in binary or in four dimensions, and for a file that ends too early
 /// Time O(size). Memory O(size), whatever counts the file announces.
 PolygonMesh readOffMesh(const std::string& file, const std::string& bytes);
+
+/// Reads the corners of the triangles of an STL file in text form, three each, in single precision;
+/// keywords in letters of either case. Normals are skipped, numbers or not.
+/// @throws Error  BadInput, with the line, for a facet without three corners, for another word and
+///         for a file that ends within a solid
+/// Time O(size).
+std::vector<Vec3d> readTextStlCorners(const std::string& file, const std::string& bytes);
 
 }  // namespace igeo
