@@ -40,15 +40,19 @@ std::string endingOf(const std::string& file) {
 /// The columns of a text of points: without a header those of its lines.
 class PointColumns {
 public:
-    /// @throws Error  as requireColumns, for the columns that are read
-    void name(const std::string& file, std::size_t number, std::string_view header) {
+    void name(std::size_t number, std::string_view header) {
         const std::vector<std::string> names = namesInHeader(header);
+        number_ = number;
         skipped_ = extraColumns(names);
-        std::string read;
         for (std::size_t k = 0; k < names.size(); ++k)
-            if (!skipped_[k]) read += (read.empty() ? "" : ",") + names[k];
-        requireColumns(file, number, skipsAny() ? read : header, "x,y,z,nx,ny,nz");
+            if (!skipped_[k]) read_ += (read_.empty() ? "" : ",") + names[k];
+        if (!skipsAny()) read_ = header;
         hasNormals_ = std::find(names.begin(), names.end(), "nx") != names.end();
+    }
+    /// @param numbers  of a line that are read
+    /// @throws Error  as requireColumns, for the columns that are read
+    void require(const std::string& file, std::size_t numbers) const {
+        requireColumns(file, number_, read_, "x,y,z,nx,ny,nz", numbers);
     }
     bool skipsAny() const {
         return std::find(skipped_.begin(), skipped_.end(), true) != skipped_.end();
@@ -65,6 +69,8 @@ public:
     }
 
 private:
+    std::size_t number_ = 0;     ///< the line of the header
+    std::string read_;           ///< the header, or the names of the columns that are read
     std::vector<bool> skipped_;  ///< by the header; empty: there is none
     bool hasNormals_ = false;
 };
@@ -88,7 +94,7 @@ PointCloud pointsFromText(const std::string& file, const std::string& bytes) {
         const bool isHeader = mayBeHeader && v.empty() && begin != std::string_view::npos &&
                               std::isalpha(static_cast<unsigned char>(line[begin]));
         mayBeHeader = false;
-        if (isHeader) return columns.name(file, number, line);
+        if (isHeader) return columns.name(number, line);
         if (columns.skipsAny()) {
             if (v.size() != columns.named())
                 failAt(file, number, line,
@@ -96,6 +102,7 @@ PointCloud pointsFromText(const std::string& file, const std::string& bytes) {
                                    columns.named()));
             v = columns.of(v);
         }
+        if (count == 0) columns.require(file, v.size());
         if (v.size() != 3 && v.size() != 6)
             failAt(file, number, line, "is neither x y z nor x y z nx ny nz");
         if (count != 0 && v.size() != count)
@@ -146,10 +153,13 @@ PointCloud pointsFromPwn(const std::string& file, const std::string& bytes) {
 PointCloud pointsFromObj(const std::string& file, const std::string& bytes) {
     PointCloud cloud{file, {}, {}};
     forLines(bytes, [&](std::string_view line, std::size_t number) {
-        const bool isNormal = line.substr(0, 3) == "vn ";
-        if (!isNormal && line.substr(0, 2) != "v ") return;
+        constexpr std::string_view kBlanks = " \t\v\f";
+        line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
+        const std::string_view key = line.substr(0, line.find_first_of(kBlanks));
+        const bool isNormal = key == "vn";
+        if (!isNormal && key != "v") return;
         // A weight or a color may follow the position.
-        const std::vector<double> v = numbersIn(file, number, line.substr(isNormal ? 3 : 2));
+        const std::vector<double> v = numbersIn(file, number, line.substr(key.size()));
         if (v.size() < 3) failAt(file, number, line, "does not hold three numbers");
         if (isNormal)
             cloud.normals.push_back(Vec3f(Vec3d{v[0], v[1], v[2]}));
@@ -187,9 +197,11 @@ PointCloud readPointCloud(const std::string& file) {
         cloud = pointsFromPwn(file, fileBytes(file));
     else if (isPointFile(file))
         cloud = pointsFromText(file, fileBytes(file));
-    else
+    else {
+        fileBytes(file);  // of a file that does not exist its ending does not matter
         throw Error(Kind::BadInput, file + ": '" + ending + "' is no ending of a cloud of points",
-                    "give a .ply, .xyz, .csv, .txt, .pwn, .obj or .vdb file");
+                    "give a .ply, .xyz, .csv, .txt, .pts, .asc, .pwn, .obj or .vdb file");
+    }
     requireUsable(cloud);
     return cloud;
 }

@@ -7,6 +7,7 @@
 #include <igeo/io/detail/file_bytes.h>
 #include <igeo/io/detail/gifti_reader.h>
 #include <igeo/io/detail/number_lines.h>
+#include <igeo/io/detail/number_rows.h>
 
 #include <array>
 #include <charconv>
@@ -82,8 +83,10 @@ std::vector<double> fromText(const std::string& file, const std::string& bytes, 
         mayBeHeader = false;
         // More columns are allowed only if the first is named `vertex`: x,y,z are not vertex and
         // value.
-        if (isHeader && line.starts_with("vertex")) most = v.max_size();
-        if (isHeader) return;
+        if (isHeader) {
+            if (namesInHeader(line)[0].starts_with("vertex")) most = v.max_size();
+            return;
+        }
         if (v.empty() || v.size() > most || (columns != 0 && v.size() != columns))
             throw Error(Kind::BadInput,
                         fmt::format("{}, line {}: '{}' is neither a value nor a vertex and a value",

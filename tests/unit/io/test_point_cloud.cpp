@@ -1,5 +1,6 @@
 // Files of points: what is read, and what is refused with words that help.
 #include <igeo/io/point_cloud_file.h>
+#include <igeo/io/point_list.h>
 #include <support/clouds.h>
 #include <support/expect_error.h>
 #include <support/openvdb.h>
@@ -169,7 +170,9 @@ TEST_CASE("Broken files of points are refused with the place") {
     refused("a.ply", head + "element vertex 1\n" + xyz + "end_header\n1 2\n", {"lack x, y or z"});
     refused("a.ply", head + "element vertex many\n", {"has no count"});
     refused("a.ply", head + "element face 0\nend_header\n", {"no element 'vertex'"});
-    refused("a.ply", head + "element vertex 1\nproperty half x\n", {"'half' is no type"});
+    refused("a.ply", head + "element vertex 1\nproperty half x\n",
+            {"'half' is no type", "uchar", "double"});
+    refused("a.ply", head + "element vertex 1\nproperty int64 x\n", {"'int64' is no type", "int"});
     refused("a.ply",
             head + "element vertex 99999999999\n" + xyz + "property float z\nend_header\n1 2 3\n",
             {"99999999999 of 'vertex' are announced"});
@@ -184,6 +187,8 @@ TEST_CASE("Broken files of points are refused with the place") {
                     " 4\n",
                 {"a list", " entries"});
     expectError(Kind::Io, {"none.ply", "No such file"}, [&] { readPointCloud(dir / "none.ply"); });
+    expectError(Kind::Io, {"none.csv:1", "No such file"},
+                [&] { readPointCloud(dir / "none.csv:1"); });
     expectError(Kind::Io, {"none.vdb"}, [&] { readPointCloud(dir / "none.vdb"); });
     std::filesystem::create_directory(dir / "folder.xyz");
     expectError(Kind::Io, {"folder"}, [&] { readPointCloud(dir / "folder.xyz"); });
@@ -218,14 +223,18 @@ TEST_CASE("a header of a file of points that names other columns is refused") {
                                        {"x;z;y", "column 2 'z', which is read as y"},
                                        {"Z Y X", "column 1 'z', which is read as x"},
                                        {"nx,ny,nz,x,y,z", "column 1 'nx', which is read as x"},
-                                       {"id,x,y,z,nx,ny", "column 2 'x', which is read as y"}}) {
+                                       {"id,x,y,z,nx,ny", "column 2 'x', which is read as y"},
+                                       {"x,y,z,r1,g1,b1", "column 4 'r1', which is read as nx"},
+                                       {"x,y,z,u,v,w", "column 4 'u', which is read as nx"},
+                                       {"x,y,z,nx,ny,c", "column 6 'c', which is read as nz"},
+                                       {"a,b,c,d,e", "names 5 columns"}}) {
         INFO(header);
         write(dir / "a.csv", header + std::string("\n1,2,3,0,0,1\n"));
         expectError(Kind::BadInput, {"a.csv, line 1", header, says, "order x,y,z,nx,ny,nz"},
                     [&] { readPointCloud(dir / "a.csv"); });
     }
-    for (const char* header : {"x,y,z", "X Y Z NX NY NZ", "east,north,up", "pos x,pos y,pos z",
-                               "x,y,z,r1,g1,b1", "a,b,c"}) {
+    for (const char* header :
+         {"x,y,z", "X Y Z NX NY NZ", "east,north,up", "pos x,pos y,pos z", "a,b,c"}) {
         INFO(header);
         write(dir / "a.csv", header + std::string("\n1,2,3,0,0,1\n"));
         CHECK(readPointCloud(dir / "a.csv").points == std::vector<Vec3d>{{1, 2, 3}});
@@ -272,6 +281,28 @@ TEST_CASE("six columns without names hold unit normals") {
     expectError(Kind::BadInput,
                 {"a.xyz, line 2", "no name for columns 4 to 6", "285.3, not 1", "x y z r g b"},
                 [&] { readPointCloud(dir / "a.xyz"); });
+}
+
+TEST_CASE("OBJ points with any blanks, and lines that end in carriage returns") {
+    const TempDir dir;
+    const std::vector<Vec3d> points{{1, 2, 3}, {4, 5, 6}};
+    write(dir / "a.obj", "v\t1\t2 3\nvn\t0 0 1\n  v 4 5 6\n\tvn 0 1 0\nvt 1 2 3\nv\n");
+    expectError(Kind::BadInput, {"a.obj, line 6", "three numbers"},
+                [&] { readPointCloud(dir / "a.obj"); });
+    write(dir / "a.obj", "v\t1\t2 3\nvn\t0 0 1\n  v 4 5 6\n\tvn 0 1 0\nvt 1 2 3\n");
+    CHECK(readPointCloud(dir / "a.obj").points == points);
+    CHECK(readPointCloud(dir / "a.obj").normals == std::vector<Vec3f>{{0, 0, 1}, {0, 1, 0}});
+    for (const char* end : {"\r", "\n", "\r\n"}) {
+        INFO(end);
+        write(dir / "a.obj", std::string("v 1 2 3") + end + "v 4 5 6" + end);
+        CHECK(readPointCloud(dir / "a.obj").points == points);
+        write(dir / "a.csv", std::string("x,y,z") + end + "1,2,3" + end + "4,5,6");
+        CHECK(readPointCloud(dir / "a.csv").points == points);
+        CHECK(readPoints(dir / "a.csv").size() == 2);
+        write(dir / "b.csv", std::string("1,2,3") + end + "4,5" + end);
+        expectError(Kind::BadInput, {"line 2"}, [&] { readPointCloud(dir / "b.csv"); });
+        expectError(Kind::BadInput, {"line 2"}, [&] { readPoints(dir / "b.csv"); });
+    }
 }
 
 TEST_CASE("a byte order mark before points is skipped") {

@@ -3,6 +3,8 @@
 #include <support/expect_error.h>
 #include <support/temp_dir.h>
 
+#include <clocale>
+#include <cstdio>
 #include <fstream>
 
 namespace igeo::test {
@@ -158,11 +160,31 @@ TEST_CASE("readPoints: a header that names other columns is refused") {
                {"p.csv, line 1", header, "which is read as", "order x,y,z,start"});
     for (const char* header : {"x,y,z", "X;Y;Z;Start", "x y z r", "a,b,c", "lon,lat,height"})
         CHECK(read("p.csv", header + std::string("\n1,2,3\n"))[0].position == Vec3d{1, 2, 3});
+    // Beside names a fourth number is a start value only under its own.
+    for (const char* header : {"x,y,z,id", "X;Y;Z;confidence", "x y z r", "lon,lat,height,time"})
+        refuse("p.csv", header + std::string("\n1,2,3\n1,2,3,4\n"),
+               {"p.csv, line 1", header, "names column 4 '", "which is read as start",
+                "leave out others"});
+    refuse("p.csv", "x,y,z\n1,2,3,4\n", {"line 1", "names 3 columns", "hold 4 numbers"});
+    CHECK(read("p.csv", "\"x\",\"y\",\"z\",\"Start\"\n1,2,3,4\n")[0].start == 4);
     const TempDir folder;
     const std::string pairs = folder.write("p.csv", "x,y,z,nx,ny,nz\n1,2,3,4,5,6\n");
     expectError(Error::Kind::BadInput, {"column 4 'nx', which is read as x", "x,y,z,x,y,z"},
                 [&] { readPairs(pairs); });
     CHECK(readPairs(folder.write("q.csv", "x,y,z,x,y,z\n1,2,3,4,5,6\n")).size() == 1);
+}
+
+TEST_CASE("readPoints: numbers have points in every locale") {
+    const char* const before = std::setlocale(LC_NUMERIC, nullptr);
+    const std::string locale = before ? before : "C";
+    const char* const comma = std::setlocale(LC_NUMERIC, "de_DE.UTF-8");
+    if (!comma) std::printf("there is no locale de_DE.UTF-8\n");
+    const auto points = read("p.csv", "x,y,z\n1.5,-2.25,+3e-1\n");
+    const AskedPoint point = parsePoint("1.5,-2.25,.5");
+    std::setlocale(LC_NUMERIC, locale.c_str());
+    REQUIRE(points.size() == 1);
+    CHECK(points[0].position == Vec3d{1.5, -2.25, 0.3});
+    CHECK(point.position == Vec3d{1.5, -2.25, 0.5});
 }
 
 TEST_CASE("readPoints: a byte order mark is skipped") {

@@ -17,15 +17,13 @@ namespace igeo {
 /// Calls visit(line, number) for all lines, without line ends and comments (#).
 template <typename Visit>
 void forLines(const std::string& bytes, const Visit& visit) {
-    std::size_t at = bytes.size() - withoutByteOrderMark(bytes).size();
-    for (std::size_t number = 1; at < bytes.size(); ++number) {
-        const std::size_t end = std::min(bytes.find('\n', at), bytes.size());
-        std::string_view line(bytes.data() + at, end - at);
+    std::string_view rest = withoutByteOrderMark(bytes);
+    for (std::size_t number = 1; !rest.empty(); ++number) {
+        std::string_view line = cutLine(rest);
         line = line.substr(0, line.find('#'));
         while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())))
             line.remove_suffix(1);
         if (!line.empty()) visit(line, number);
-        at = end + 1;
     }
 }
 

@@ -1,6 +1,7 @@
 #include <igeo/io/detail/number_rows.h>
 
 #include <fmt/core.h>
+#include <igeo/base/detail/numbers.h>
 #include <igeo/base/error.h>
 #include <igeo/io/detail/file_bytes.h>
 #include <igeo/io/detail/number_lines.h>
@@ -9,21 +10,31 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <cstdlib>
 #include <initializer_list>
+#include <iterator>
+#include <optional>
 #include <sstream>
 
 namespace igeo {
 
 namespace {
 
-/// A first line in which no field starts like a number names the columns.
+/// The number that a field is, with blanks around it; nan and inf are numbers.
+std::optional<double> numberIn(std::string_view field) {
+    constexpr std::string_view kBlanks = " \t\r\n\v\f";
+    field.remove_prefix(std::min(field.find_first_not_of(kBlanks), field.size()));
+    field = field.substr(0, field.find_last_not_of(kBlanks) + 1);
+    if (field.starts_with('+') && !field.starts_with("+-")) field.remove_prefix(1);
+    return parseDouble(field);
+}
+
+/// A first line in which no field is a number, or starts like one, names the columns.
 bool isHeader(const std::string& line) {
     std::stringstream parts(line);
     for (std::string part; std::getline(parts, part, ',');) {
-        char* end = nullptr;
-        std::strtod(part.c_str(), &end);
-        if (end != part.c_str()) return false;
+        const auto first = part.find_first_not_of(" \t\r+-.");
+        if (numberIn(part) || (first != part.npos && part[first] >= '0' && part[first] <= '9'))
+            return false;
     }
     return true;
 }
@@ -57,13 +68,9 @@ std::vector<double> numbersIn(const std::string& text) {
     std::vector<double> out;
     std::stringstream parts(text);
     for (std::string part; std::getline(parts, part, ',');) {
-        // strtod also reads "nan" and "1x": both are refused here.
-        char* end = nullptr;
-        const double v = std::strtod(part.c_str(), &end);
-        const bool blank = part.find_first_not_of(" \t\r") == std::string::npos;
-        while (*end == ' ' || *end == '\t' || *end == '\r') ++end;
-        if (blank || *end != '\0' || !std::isfinite(v)) return {};
-        out.push_back(v);
+        const auto v = numberIn(part);
+        if (!v || !std::isfinite(*v)) return {};
+        out.push_back(*v);
     }
     if (!text.empty() && text.back() == ',') return {};
     return out;
@@ -94,17 +101,27 @@ std::vector<bool> extraColumns(const std::vector<std::string>& names) {
 }
 
 void requireColumns(const std::string& file, std::size_t number, std::string_view header,
-                    const std::string& columns) {
+                    const std::string& columns, std::size_t numbers) {
     std::stringstream order(columns);
     const std::vector<std::string> names = namesInHeader(header);
     const std::vector<bool> extra = extraColumns(names);
+    // Tables with the names of rows, which the header does not count.
+    if (names.size() >= 3 && numbers == names.size() + 1)
+        throw Error(Error::Kind::BadInput,
+                    fmt::format("{}, line {}: the header '{}' names {} columns, and lines below it "
+                                "hold {} numbers",
+                                file, number, header.substr(0, 60), names.size(), numbers),
+                    "name all columns in the order " + columns + ", and leave out others");
+    const auto isPosition = [](const std::string& c) { return c == "x" || c == "y" || c == "z"; };
     std::string read;
     for (std::size_t k = 0; k < names.size() && std::getline(order, read, ','); ++k) {
         const std::string& name = names[k];
         constexpr std::array<const char*, 6> kOthers{"x", "y", "z", "nx", "ny", "nz"};
         const bool isKnown =
             extra[k] || std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end();
-        if (isKnown && name != read)
+        // Columns from the fourth on may be left out, so only their names tell what they hold.
+        const bool needsName = k >= 3 && k < numbers && !isPosition(read);
+        if ((isKnown || needsName) && name != read)
             throw Error(Error::Kind::BadInput,
                         fmt::format("{}, line {}: the header '{}' names column {} '{}', which is "
                                     "read as {}",
@@ -118,18 +135,24 @@ std::vector<std::vector<double>> rowsFromText(std::istream& in, const std::strin
                                               const std::vector<std::size_t>& counts,
                                               const std::string& shape) {
     std::vector<std::vector<double>> rows;
-    std::size_t lineNumber = 0;
+    std::string header;
+    std::size_t lineNumber = 0, headerNumber = 0, most = 0;  // numbers in a line
     bool mayBeHeader = true;
-    for (std::string line; std::getline(in, line);) {
+    const std::string bytes(std::istreambuf_iterator<char>(in), {});
+    for (std::string_view rest = withoutByteOrderMark(bytes); !rest.empty();) {
+        std::string line(cutLine(rest));
         ++lineNumber;
-        if (lineNumber == 1) line.erase(0, line.size() - withoutByteOrderMark(line).size());
         if (const auto hash = line.find('#'); hash != std::string::npos) line.erase(hash);
         if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
         std::vector<double> v = numbersIn(withCommas(line));
+        if (headerNumber > 0 && v.size() > most)
+            requireColumns(file, headerNumber, header, columns, v.size());
+        most = std::max(most, v.size());
         if (std::count(counts.begin(), counts.end(), v.size()) > 0) {
             rows.push_back(std::move(v));
         } else if (mayBeHeader && isHeader(withCommas(line))) {
-            requireColumns(file, lineNumber, line, columns);
+            header = line;
+            headerNumber = lineNumber;
         } else {
             numbersIn(file, lineNumber, line);  // names decimal commas as such
             throw Error(

@@ -21,11 +21,13 @@ std::vector<bool> extraColumns(const std::vector<std::string>& names);
 
 /// Refuses a header that names a coordinate, a part of a normal or of a color (x, nx, red; r, g and
 /// b together) in a column that is read as something else: y,x,z, or x,y,z,r,g,b where columns 4 to
-/// 6 are normals. Other names are allowed.
+/// 6 are normals. Columns that may be left out are read under their own name only: x,y,z,id has no
+/// start. Other names are allowed.
 /// @param columns  what is read, in order: "x,y,z,nx,ny,nz"
+/// @param numbers  in a line below the header
 /// @throws Error  BadInput, with the line
 void requireColumns(const std::string& file, std::size_t number, std::string_view header,
-                    const std::string& columns);
+                    const std::string& columns, std::size_t numbers);
 
 /// Rows of numbers, separated by commas, semicolons, blanks or tabs. Lines may be empty or end in
 /// comments (#); the first may name the columns.

@@ -70,9 +70,11 @@ public:
     }
 
 private:
-    [[noreturn]] void fail(const std::string& what) const {
+    [[noreturn]] void fail(const std::string& what, const std::string& remedy =
+                                                        "the file is cut off or broken: export it "
+                                                        "again, as text or binary PLY") const {
         throw Error(Error::Kind::BadInput, fmt::format("{}, byte {}: {}", file_, at_, what),
-                    "the file is cut off or broken: export it again, as text or binary PLY");
+                    remedy);
     }
 
     std::string line() {
@@ -95,7 +97,9 @@ private:
                                                                     {"double", "float64"}}};
         for (std::size_t t = 0; t < kNames.size(); ++t)
             if (name == kNames[t][0] || name == kNames[t][1]) return PlyType(t);
-        fail("'" + name + "' is no type of number");
+        fail("'" + name + "' is no type of number that is read",
+             "export the file with numbers of the types char, uchar, short, ushort, int, uint, "
+             "float or double");
     }
 
     void readHeader() {
