@@ -106,9 +106,12 @@ std::vector<igeo::PairDistance> solvePairs(const igeo::GeodesicSolver& solver, c
 }
 
 std::vector<ViaCurve> solveVias(const igeo::GeodesicSolver& solver, const RunOptions& o,
-                                igeo::Progress& progress) {
+                                RunReport& report, igeo::Progress& progress) {
     std::vector<ViaCurve> curves;
-    for (const ViaInput& via : readVias(o, solver.surface())) {
+    std::vector<std::string> warnings;
+    const std::vector<ViaInput> vias = readVias(o, solver.surface(), warnings);
+    report.warn(warnings);
+    for (const ViaInput& via : vias) {
         ViaCurve curve{via.name, via.points, via.closed, {}};
         if (o.space == igeo::Space::Index)
             for (Vec3d& p : curve.points) p = solver.surface().transform().worldFromIndex(p);
@@ -177,7 +180,7 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
         report.accuracy = estimate(distance, report.surface.fit, console, stages);
     report.walks = shoot(solver, o.shots, stages);
     report.pairs = solvePairs(solver, o, stages);
-    report.vias = solveVias(solver, o, stages);
+    report.vias = solveVias(solver, o, report, stages);
     warnOfResults(solver, distance, report, stages);
 
     report.seconds = stages.seconds();

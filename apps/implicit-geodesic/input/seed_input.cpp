@@ -60,7 +60,8 @@ SeedInput readSeeds(const SeedOptions& o, const igeo::Surface& surface) {
     SeedInput in;
     addPointsAndGroups(o, surface, in);
     for (const std::string& file : o.seedCurves)
-        for (const igeo::Curve& curve : guardedRead(file, [&] { return igeo::readCurves(file); })) {
+        for (const igeo::Curve& curve :
+             guardedRead(file, [&] { return igeo::readCurves(file, &in.warnings); })) {
             in.seeds.curves.push_back(curve);
             in.names.push_back("curve " + file);
             in.seeds.names.push_back("--seed-curve " + file);
@@ -82,13 +83,14 @@ SeedInput readSeeds(const SeedOptions& o, const igeo::Surface& surface) {
     return in;
 }
 
-std::vector<ViaInput> readVias(const SeedOptions& o, const igeo::Surface& surface) {
+std::vector<ViaInput> readVias(const SeedOptions& o, const igeo::Surface& surface,
+                               std::vector<std::string>& warnings) {
     std::vector<ViaInput> vias;
     for (const Via& via : o.vias) {
         const std::string name = "--via " + via.text;
         for (const igeo::AskedCurve& asked :
              !via.curve.points.empty() ? std::vector{via.curve} : guardedRead(via.text, [&] {
-                 return igeo::readAskedCurves(via.text);
+                 return igeo::readAskedCurves(via.text, &warnings);
              })) {
             vias.push_back({{}, asked.closed, name});
             for (const igeo::AskedPoint& p : asked.points)

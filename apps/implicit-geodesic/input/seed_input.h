@@ -24,8 +24,10 @@ struct ViaInput {
     bool closed = false;
     std::string name;  ///< for messages
 };
+/// @param warnings  gets those about the files
 /// @throws igeo::Error  as the readers and Surface::vertex
-std::vector<ViaInput> readVias(const SeedOptions& options, const igeo::Surface& surface);
+std::vector<ViaInput> readVias(const SeedOptions& options, const igeo::Surface& surface,
+                               std::vector<std::string>& warnings);
 
 /// The position of a point, in the space of the options.
 igeo::Vec3d positionOf(const igeo::AskedPoint& point, const SeedOptions& options,

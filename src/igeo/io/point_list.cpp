@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/io/annotation_file.h>
+#include <igeo/io/detail/file_bytes.h>
 #include <igeo/io/detail/json_depth.h>
 #include <igeo/io/detail/number_rows.h>
 #include <igeo/io/vertex_data_file.h>
@@ -14,8 +15,10 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 namespace igeo {
 
@@ -118,22 +121,67 @@ Curve curveFrom(const json& j) {
     return curve;
 }
 
-std::vector<Curve> curvesFromJson(std::istream& in, const std::string& file) {
-    const std::string remedy =
-        R"(write [[x, y, z], ...] or [{"position": [[x, y, z], ...], "closed": true}, ...])";
-    const json document = parsedJson(in, file);
-    // A pointer, because copying nested lists takes stack for each level.
-    const json* list = &document;
+/// The lists of curves in a document of this program that are not empty, by their names.
+std::vector<std::pair<std::string, const json*>> listsIn(const json& document) {
+    std::vector<std::pair<std::string, const json*>> lists;
     for (const char* name : {"isolines", "paths", "walks", "pairs", "via"})
-        if (list->is_object() && list->contains(name) && !(*list)[name].empty())
-            list = &(*list)[name];
-    const json& all = *list;
-    if (!all.is_array() || all.empty())
-        throw Error(Kind::BadInput, file + " is not a JSON list of curves", remedy);
-    if (!all[0].is_array()) return readEntries(all, file, remedy, curveFrom);
-    Curve one;
-    one.points = readEntries(all, file, remedy, positionFrom);
-    return {one};
+        if (document.is_object() && document.contains(name) && !document[name].empty())
+            lists.emplace_back(name, &document[name]);
+    return lists;
+}
+
+/// Whether a path of this program has no vertices, as none was found.
+bool isWithoutPath(const json& j) {
+    if (!j.is_object() || !j.contains("status") || !j.contains("vertices")) return false;
+    const json& vertices = j["vertices"];
+    return vertices.is_object() && vertices.contains("position") && vertices["position"].empty();
+}
+
+constexpr const char* kCurvesRemedy =
+    R"(write [[x, y, z], ...] or [{"position": [[x, y, z], ...], "closed": true}, ...])";
+
+/// Adds the curves of a list but for paths without vertices.
+/// @return the number of these
+std::size_t addCurves(const json& list, const std::string& file, std::vector<Curve>& curves) {
+    if (!list.is_array() || list.empty())
+        throw Error(Kind::BadInput, file + " is not a JSON list of curves", kCurvesRemedy);
+    if (list[0].is_array()) {
+        curves.emplace_back();
+        curves.back().points = readEntries(list, file, kCurvesRemedy, positionFrom);
+        return 0;
+    }
+    std::size_t skipped = 0;
+    for (const auto& curve : readEntries(list, file, kCurvesRemedy, [](const json& j) {
+             return isWithoutPath(j) ? std::optional<Curve>() : curveFrom(j);
+         }))
+        if (curve)
+            curves.push_back(*curve);
+        else
+            ++skipped;
+    return skipped;
+}
+
+std::vector<Curve> curvesFromJson(std::istream& in, const std::string& file,
+                                  std::vector<std::string>* warnings) {
+    const json document = parsedJson(in, file);
+    std::vector<Curve> curves;
+    std::size_t skipped = 0;
+    const auto lists = listsIn(document);
+    if (lists.empty()) skipped = addCurves(document, file, curves);
+    for (const auto& [name, list] : lists)
+        skipped += addCurves(*list, file + ", \"" + name + "\"", curves);
+    if (curves.empty())
+        throw Error(Kind::BadInput,
+                    fmt::format("{} holds {} paths and none with vertices: their ends were not "
+                                "reached",
+                                file, skipped),
+                    "give a file with paths that were reached");
+    if (skipped > 0 && warnings)
+        warnings->push_back(
+            fmt::format("{} of {} paths in {} have no vertices and are left out: "
+                        "their ends were not reached",
+                        skipped, skipped + curves.size(), file));
+    return curves;
 }
 
 /// @throws std::invalid_argument
@@ -153,9 +201,7 @@ AskedPoint vertexFrom(double number, const std::string& file) {
     return AskedPoint(fmt::format("{:.0f}", number));
 }
 
-bool endsWith(const std::string& s, const std::string& end) {
-    return s.size() >= end.size() && s.compare(s.size() - end.size(), end.size(), end) == 0;
-}
+bool isJson(const std::string& file) { return endingBeforeGz(file) == ".json"; }
 
 std::ifstream open(const std::string& file) {
     errno = 0;
@@ -175,7 +221,7 @@ constexpr const char* kPointsRemedy =
 
 std::vector<AskedPoint> pointsFromText(std::istream& in, const std::string& file) {
     std::vector<AskedPoint> points;
-    if (endsWith(file, ".label")) {
+    if (endingBeforeGz(file) == ".label") {
         for (const std::size_t v : readLabelFile(file))
             points.push_back(AskedPoint(std::to_string(v)));
         return points;
@@ -238,7 +284,7 @@ std::vector<AskedGroup> groupsFrom(const json& groups, const std::string& file) 
 
 AskedSeeds seedsFrom(std::istream& in, const std::string& file) {
     AskedSeeds seeds;
-    if (!endsWith(file, ".json")) {
+    if (!isJson(file)) {
         seeds.points = pointsFromText(in, file);
         requirePoints(seeds.points, file);
         return seeds;
@@ -301,11 +347,11 @@ std::vector<AskedPoint> readPoints(const std::string& file) {
     return seeds.points;
 }
 
-std::vector<Curve> readCurves(const std::string& file) {
+std::vector<Curve> readCurves(const std::string& file, std::vector<std::string>* warnings) {
     std::ifstream in = open(file);
     std::vector<Curve> curves;
-    if (endsWith(file, ".json")) {
-        curves = curvesFromJson(in, file);
+    if (isJson(file)) {
+        curves = curvesFromJson(in, file, warnings);
     } else {
         Curve one;
         for (const AskedPoint& p : readPoints(file)) {
@@ -341,9 +387,17 @@ AskedCurve curveThrough(std::vector<AskedPoint> points) {
 }
 
 /// Whether a .json file holds curves, rather than the points of one.
+/// @throws Error  BadInput for several lists of them
 bool holdsCurves(const std::string& file) {
     std::ifstream in = open(file);
     const json all = parsedJson(in, file);
+    if (const auto lists = listsIn(all); lists.size() > 1) {
+        std::string names;
+        for (const auto& list : lists) names += (names.empty() ? "\"" : ", \"") + list.first + '"';
+        throw Error(Kind::BadInput, file + " holds several lists of curves: " + names,
+                    "write the list you mean into a file of its own, as {\"" + lists[0].first +
+                        "\": [...]}");
+    }
     if (!all.is_array() || all.empty() || !all[0].is_object()) return all.is_object();
     const json& first = all[0];
     if (!first.contains("position")) return first.contains("vertices");
@@ -369,10 +423,11 @@ AskedCurve parseCurve(const std::string& text) {
     return curveThrough(std::move(points));
 }
 
-std::vector<AskedCurve> readAskedCurves(const std::string& file) {
-    if (!endsWith(file, ".json") || !holdsCurves(file)) return {curveThrough(readPoints(file))};
+std::vector<AskedCurve> readAskedCurves(const std::string& file,
+                                        std::vector<std::string>* warnings) {
+    if (!isJson(file) || !holdsCurves(file)) return {curveThrough(readPoints(file))};
     std::vector<AskedCurve> curves;
-    for (const Curve& curve : readCurves(file)) {
+    for (const Curve& curve : readCurves(file, warnings)) {
         curves.push_back({{}, curve.closed});
         for (const Vec3d& p : curve.points) curves.back().points.emplace_back(p);
     }
@@ -382,7 +437,7 @@ std::vector<AskedCurve> readAskedCurves(const std::string& file) {
 std::vector<AskedPair> readPairs(const std::string& file) {
     std::ifstream in = open(file);
     std::vector<AskedPair> pairs;
-    if (endsWith(file, ".json")) {
+    if (isJson(file)) {
         const std::string remedy = "write [[x, y, z, x, y, z], ...] or [[vertex, vertex], ...]";
         pairs = readEntries(listFromJson(in, file, "pairs", remedy), file, remedy, pairFrom);
     } else {

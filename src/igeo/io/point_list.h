@@ -57,10 +57,13 @@ std::vector<AskedPoint> readPoints(const std::string& file);
 
 /// Polylines from a .json file: [[x, y, z], ...] is one open polyline; [{"position": [[x, y, z],
 /// ...], "closed": c, "start": s}, ...] are several; the isolines and geodesics that this program
-/// writes are read too. From any other file its points, as one open polyline. Closed ones may
-/// repeat their first point at the end; in forms without "closed" this closes them.
+/// writes are read too, all lists of a document (paths, walks, pairs, via) but for paths without
+/// vertices. From any other file its points, as one open polyline. Closed ones may repeat their
+/// first point at the end; in forms without "closed" this closes them.
+/// @param warnings  gets a sentence on paths that are left out, if it is given
 /// @throws Error  Io, or BadInput with the entry
-std::vector<Curve> readCurves(const std::string& file);
+std::vector<Curve> readCurves(const std::string& file,
+                              std::vector<std::string>* warnings = nullptr);
 
 /// Points that a curve passes through, in order.
 struct AskedCurve {
@@ -75,8 +78,9 @@ AskedCurve parseCurve(const std::string& text);
 
 /// Curves through points, from files as in readCurves, or one curve from a file as in readPoints,
 /// which may name vertices.
-/// @throws Error  Io, or BadInput with the line or entry
-std::vector<AskedCurve> readAskedCurves(const std::string& file);
+/// @throws Error  Io, or BadInput with the line or entry, also for a document with several lists
+std::vector<AskedCurve> readAskedCurves(const std::string& file,
+                                        std::vector<std::string>* warnings = nullptr);
 
 /// A source and a target.
 struct AskedPair {

@@ -216,8 +216,9 @@ TEST_CASE("lists in lists without end are refused, and take no stack") {
         expectError(Error::Kind::BadInput, {"deep.json"}, [&] { read(folder / "deep.json"); });
     };
     expectRefused(lists, readPoints);
-    expectRefused(lists, readCurves);
-    expectRefused(R"({"isolines": )" + lists + "}", readCurves);
+    const auto curves = [](const std::string& file) { return readCurves(file); };
+    expectRefused(lists, curves);
+    expectRefused(R"({"isolines": )" + lists + "}", curves);
     expectRefused("[[" + lists + ", 1, 2, 3, 4, 5]]", readPairs);
 }
 
@@ -286,6 +287,44 @@ TEST_CASE("readCurves: lists, objects, and what the program writes") {
         INFO(bad);
         expectError(Error::Kind::BadInput, {"c.json", "position"}, [&] { curves("c.json", bad); });
     }
+}
+
+TEST_CASE("curves of documents with several lists, and with paths that were not reached") {
+    const TempDir folder;
+    const std::string line =
+                          R"({"status": "reached", "vertices": {"position": [[1,2,3],[2,2,3]]}})",
+                      none = R"({"status": "unreachable", "vertices": {"position": []}})",
+                      two =
+                          folder.write("two.json", R"({"paths": [)" + line + "," + none +
+                                                       R"(], "walks": [)" + line + "," + line +
+                                                       R"(], "pairs": [], "via": [)" + none + "]}");
+    std::vector<std::string> warnings;
+    CHECK(readCurves(two, &warnings).size() == 3);
+    REQUIRE(warnings.size() == 1);
+    CHECK(warnings[0].find("2 of 5 paths in " + two) == 0);
+    CHECK(readCurves(two).size() == 3);
+    expectError(Error::Kind::BadInput, {"two.json", "\"paths\", \"walks\", \"via\"", "of its own"},
+                [&] { readAskedCurves(two); });
+    const std::string one = folder.write("one.json", R"({"paths": [)" + none + "," + line + "]}");
+    warnings.clear();
+    CHECK(readAskedCurves(one, &warnings).size() == 1);
+    CHECK(warnings.size() == 1);
+    const std::string lost = folder.write("lost.json", R"({"paths": [)" + none + "]}");
+    expectError(Error::Kind::BadInput, {"lost.json", "1 paths", "not reached"},
+                [&] { readCurves(lost); });
+    expectError(Error::Kind::BadInput, {"lost.json"}, [&] { readAskedCurves(lost); });
+    const std::string bad =
+        folder.write("bad.json", R"({"paths": [)" + line + R"(], "via": [{}]})");
+    expectError(Error::Kind::BadInput, {"bad.json, \"via\", entry 0"}, [&] { readCurves(bad); });
+}
+
+TEST_CASE("endings of lists of points are those of any case") {
+    CHECK(read("p.JSON", "[[1, 2, 3]]")[0].position == Vec3d{1, 2, 3});
+    CHECK(read("p.Label", "#!ascii label\n1\n5 0 0 0 0\n")[0].vertex == "5");
+    const TempDir folder;
+    CHECK(readPairs(folder.write("p.Json", "[[1, 2]]"))[0].target.vertex == "2");
+    CHECK(readCurves(folder.write("c.JSON", "[[1,2,3],[4,5,6]]"))[0].points.size() == 2);
+    CHECK(readAskedCurves(folder.write("v.JSON", "[1, 2]"))[0].points[1].vertex == "2");
 }
 
 TEST_CASE("readPairs: six numbers each") {
