@@ -164,6 +164,27 @@ TEST_CASE("seed-curve: distances from a curve, by file or as isolines of another
     CHECK(reportOf(desk)["targets"][0]["distance"].get<double>() == Approx(M_PI / 5).epsilon(0.01));
 }
 
+TEST_CASE("seed-curve: all paths of another run that were reached; via: one list of them") {
+    const TempWorkspace desk;
+    desk.make("in.vdb", "two-spheres");
+    CHECK(desk.run("--sdf in.vdb --seed 1.2,0,0 --target 0.7,0.5,0 --target=-1.2,0,0 --shoot "
+                   "1.2,0,0,0,1,0,0.5 --paths p.json -o out.vdb -q")
+              .exitCode == kUnreached);
+    requireDone(desk, "--sdf in.vdb --seed-curve p.json -o out.vdb --report r.json -q");
+    const json report = reportOf(desk);
+    CHECK(report["seeds"].size() == 2);
+    CHECK(report["warnings"].dump().find("1 of 3 paths in p.json have no vertices") !=
+          std::string::npos);
+    requireRefused(desk, "--sdf in.vdb --via p.json --paths q.json", kUnusable,
+                   {"p.json", "\"paths\", \"walks\"", "a file of its own"});
+    json paths = readJson(desk / "p.json");
+    paths.erase("walks");
+    writeBytes(desk / "p.json", paths.dump());
+    requireDone(desk, "--sdf in.vdb --via p.json --paths q.json -q");
+    CHECK(readJson(desk / "q.json")["via"].size() == 1);
+    CHECK(readJson(desk / "q.json")["warnings"].dump().find("1 of 2 paths") != std::string::npos);
+}
+
 TEST_CASE("seed-mask: 0 inside a level set, and --signed negative there") {
     const FineSphere desk;
     // Cuts the sphere at z = 0.6.

@@ -102,7 +102,8 @@ auto readEntries(const json& all, const std::string& file, const std::string& re
 /// @throws std::invalid_argument
 Curve curveFrom(const json& j) {
     // Isolines have positions here; geodesics have them in `vertices`, beside the distances.
-    const json& holder = j.is_object() && j.contains("vertices") ? j["vertices"] : j;
+    const bool isPath = j.is_object() && j.contains("vertices");
+    const json& holder = isPath ? j["vertices"] : j;
     if (!holder.is_object() || !holder.contains("position") || !holder["position"].is_array())
         throw std::invalid_argument("there is no list \"position\"");
     Curve curve;
@@ -112,7 +113,7 @@ Curve curveFrom(const json& j) {
         if (!j["closed"].is_boolean()) throw std::invalid_argument("\"closed\" is true or false");
         curve.closed = j["closed"].get<bool>();
     }
-    if (j.contains("start")) {
+    if (j.contains("start") && !isPath) {  // of a walk it is a point
         if (!j["start"].is_number()) throw std::invalid_argument("\"start\" is a number");
         curve.start = j["start"].get<double>();
         if (!(curve.start >= 0 && std::isfinite(curve.start)))

@@ -384,6 +384,10 @@ TEST_CASE("readAskedCurves: curves, or the points of one") {
     CHECK(curves("c.json", R"({"paths": [], "walks":
                               [{"vertices": {"position": [[1,2,3],[2,2,3]]}}]})")[0]
               .points.size() == 2);
+    // Of a walk `start` is a point.
+    CHECK(curves("c.json", R"({"walks": [{"start": {"position": [1,2,3]},
+                              "vertices": {"position": [[1,2,3],[2,2,3]]}}]})")[0]
+              .points.size() == 2);
     for (const char* bad :
          {"{}", "[]", "nonsense", R"([{"position": []}])", R"([{"vertices": 1}])"})
         expectError(Error::Kind::BadInput, {"c.json"}, [&] { curves("c.json", bad); });

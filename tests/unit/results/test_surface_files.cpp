@@ -130,6 +130,7 @@ TEST_CASE("surfaces far from the origin keep their shape") {
     for (const Vec3d& up : {Vec3d{0, 1, 0}, {0, 0, 1}, {-1, 0, 0}}) {
         const Glb glb(surfaceGlb(m.mesh, t, ramp, up));
         const nlohmann::json& node = glb.json["nodes"][0];
+        REQUIRE(node.contains("translation"));
         const auto numberOf = [&](const char* name, int k) {
             return node[name][std::size_t(k)].get<double>();
         };
