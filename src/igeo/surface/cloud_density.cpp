@@ -37,15 +37,28 @@ std::vector<std::string> densityWarnings(const CloudDensity& density, const std:
             fmt::format("{}: the spacing is uneven: {:g} in the median, {:g} at the 99th "
                         "percentile; thin parts may end or merge",
                         file, density.spacing, density.spacing99));
-    if (density.facing > 0.02)
+    // Normals that turn look like another sheet, up to three times as far about.
+    const bool hasSheets = density.facing > 0.02 + 3 * density.turned;
+    if (hasSheets)
         warnings.push_back(
             fmt::format("{}: on {} of the surface another sheet is within three spacings; folds "
                         "may close there and distances be off; take more points",
                         file, percent(density.facing)));
-    if (density.conflicts > 0.01)
-        warnings.push_back(file + ": " + percent(density.conflicts) +
-                           " of the normals disagree with their neighbors; where the surface is "
-                           "one-sided or too thin for the points, no front passes");
+    constexpr double kSeam = 10, kMany = 0.01;
+    if (density.seam > kSeam * density.spacing || (density.turned > kMany && !hasSheets))
+        warnings.push_back(fmt::format(
+            "{}: normals turn to the other side of the surface from point to point, beside {} of "
+            "the points and along up to {:.3g}: no front passes there; {}",
+            file, percent(density.turned), density.seam,
+            density.hasNormals
+                ? "turn the normals to one side, or leave them out"
+                : "the surface is one-sided or too thin for the points: give it as a "
+                  "mesh, or take more points"));
+    else if (density.conflicts > kMany)
+        warnings.push_back(
+            fmt::format("{}: {} of the normals are more than 60 degrees off the surface through "
+                        "the points; give better ones, or leave them out",
+                        file, percent(density.conflicts)));
     return warnings;
 }
 

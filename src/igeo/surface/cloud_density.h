@@ -18,14 +18,18 @@ struct CloudDensity {
     std::size_t duplicates = 0;  ///< points left out because another has the same position
     /// Dropped: far from the others, or from the surface of their neighbors
     std::size_t isolated = 0;
-    double spacing = 0;      ///< median
-    double spacing99 = 0;    ///< percentile
-    double noise = 0;        ///< scatter around the surface, root mean square
-    std::size_t fitted = 0;  ///< points per fit, more where there is noise
-    std::size_t pieces = 0;  ///< components of the surface, connected through neighbors
-    /// Share of neighbors whose normals disagree (Orientation, or normals in the file that do not
-    /// fit the surface)
+    double spacing = 0;       ///< median
+    double spacing99 = 0;     ///< percentile
+    double noise = 0;         ///< scatter around the surface, root mean square
+    std::size_t fitted = 0;   ///< points per fit, more where there is noise
+    std::size_t pieces = 0;   ///< components of the surface, connected through neighbors
+    bool hasNormals = false;  ///< given with the points
+    /// Share of the points with given normals more than 60 degrees off the surface
     double conflicts = 0;
+    /// Share of the points beside which normals turn to the other side of the surface, and how long
+    /// the longest line of these is: the surface is one-sided, or the given normals are not turned
+    /// to one side.
+    double turned = 0, seam = 0;
     double facing = 0;  ///< share of points with one on another sheet within three spacings
     double largestCurvature = 0;  ///< 95th percentile, 1 / world length
 

@@ -114,6 +114,11 @@ PointSurface::PointSurface(PointCloud cloud, Progress& progress) : file_(cloud.f
     }
     density_.points = points_.size(), density_.spacing = quantile(spacing_, 0.5);
     density_.spacing99 = quantile(spacing_, 0.99);
+    density_.hasNormals = !cloud.normals.empty();
+    // Of fits to points of two sheets even those with the right sign may disagree.
+    const Seams seams = density_.hasNormals ? seamsOf(points_, givenNormals(cloud))
+                                            : seamsOf(points_, normals_, atEdge_);
+    density_.turned = seams.share, density_.seam = seams.longest;
     density_.largestCurvature = quantile(curvature_, 0.95);
     std::vector<double> reach = spacing_;
     for (double& r : reach) r *= kReach;
@@ -177,11 +182,17 @@ std::vector<char> PointSurface::strays() const {
     return off;
 }
 
+std::vector<Vec3d> PointSurface::givenNormals(const PointCloud& cloud) const {
+    std::vector<Vec3d> given(cloud.normals.size());
+    for (std::size_t i = 0; i < given.size(); ++i)
+        given[i] = normalized(Vec3d(cloud.normals[points_.inputIndex(i)]));
+    return given;
+}
+
 void PointSurface::build(const PointCloud& cloud, Progress& progress) {
     progress.update("fitting points", 0);
     normals_.clear(), atEdge_.clear();
-    std::vector<Vec3f> given(cloud.normals.size());
-    for (std::size_t i = 0; i < given.size(); ++i) given[i] = cloud.normals[points_.inputIndex(i)];
+    const std::vector<Vec3d> given = givenNormals(cloud);
     for (int pass = 0; pass < 2; ++pass) fitNormals(given, kNear);
     orient(given);
     const double noise = measureNoise(progress);
@@ -193,7 +204,7 @@ void PointSurface::build(const PointCloud& cloud, Progress& progress) {
     if (given.empty()) {
         Orientation orientation;
         atEdge_ = separateSheets(fits, noise, &orientation);
-        density_.conflicts = orientation.conflicts, density_.pieces = orientation.pieces;
+        density_.pieces = orientation.pieces;
     } else {
         atEdge_ = separateSheets(fits, noise, nullptr);
     }
@@ -243,7 +254,7 @@ std::vector<Vec3d> PointSurface::clearNormals() const {
     return clear;
 }
 
-void PointSurface::fitNormals(const std::vector<Vec3f>& given, std::size_t count) {
+void PointSurface::fitNormals(const std::vector<Vec3d>& given, std::size_t count) {
     const std::size_t n = points_.size();
     const bool isFirst = normals_.empty();
     const std::vector<Vec3d> before = clearNormals();
@@ -262,9 +273,8 @@ void PointSurface::fitNormals(const std::vector<Vec3f>& given, std::size_t count
             weights.clear();
             for (const PointTree::Found& f : neighbors) {
                 // Given normals separate sheets.
-                const bool other = !given.empty() &&
-                                   dot(given[i], given[f.point]) <
-                                       kOppositeNormals * length(given[i]) * length(given[f.point]);
+                const bool other =
+                    !given.empty() && dot(given[i], given[f.point]) < double(kOppositeNormals);
                 weights.push_back(other ? 0 : squared(1 - f.squared / radius2));
             }
             const Plane plane = planeThrough(points_, neighbors, weights);
@@ -287,14 +297,13 @@ void PointSurface::fitNormals(const std::vector<Vec3f>& given, std::size_t count
                     "smooth or thin out the cloud");
 }
 
-void PointSurface::orient(const std::vector<Vec3f>& given) {
+void PointSurface::orient(const std::vector<Vec3d>& given) {
     const std::size_t n = points_.size();
     Orientation orientation = orientNormals(points_, normals_);
-    density_.conflicts = orientation.conflicts;
     if (!given.empty()) {
         std::size_t wrong = 0;
         for (std::size_t i = 0; i < n; ++i) {
-            const double cosine = dot(normals_[i], normalized(Vec3d(given[i])));
+            const double cosine = dot(normals_[i], given[i]);
             orientation.sign[i] = cosine < 0 ? -1 : 1;
             wrong += std::abs(cosine) < 0.5;
         }

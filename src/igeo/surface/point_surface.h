@@ -106,6 +106,8 @@ private:
         Vec3d normal;
     };
     void measureSpacing();
+    /// The normals of a cloud, unit, per point; none where it has none.
+    std::vector<Vec3d> givenNormals(const PointCloud& cloud) const;
     /// The `count` points nearest to point i.
     void nearestTo(std::size_t i, std::size_t count, std::vector<PointTree::Found>& found) const;
     /// The same on the sheet of point i.
@@ -114,9 +116,9 @@ private:
     /// The normals, those of thick planes exchanged for that of the thinnest one around; to tell
     /// sheets apart.
     std::vector<Vec3d> clearNormals() const;
-    void fitNormals(const std::vector<Vec3f>& given, std::size_t count);
+    void fitNormals(const std::vector<Vec3d>& given, std::size_t count);
     /// Turns the normals to one side, or to that of given ones.
-    void orient(const std::vector<Vec3f>& given);
+    void orient(const std::vector<Vec3d>& given);
     double measureNoise(Progress& progress);
     /// @return SheetFits::misfit
     std::vector<double> fitQuadrics(std::size_t count, Progress& progress);

@@ -29,7 +29,7 @@ TEST_CASE("Normals of closed surfaces turn outward, each piece by itself") {
     Orientation result;
     const std::vector<Vec3d> normals = oriented(cloud, tree, result);
     CHECK(result.pieces == 2);
-    CHECK(result.conflicts == 0);
+    CHECK(seamsOf(tree, normals).share == 0);
     for (std::size_t i = 0; i < tree.size(); ++i)
         REQUIRE(dot(normals[i], Vec3d(cloud.normals[tree.inputIndex(i)])) > 0);
 }
@@ -49,7 +49,7 @@ TEST_CASE("Sheets that face each other are turned apart") {
     for (std::size_t i = 0; i < tree.size(); ++i) REQUIRE(normals[i].z * (tree[i].z - 0.625) > 0);
 }
 
-TEST_CASE("A one-sided surface shows as conflicts") {
+TEST_CASE("A one-sided surface has a seam across") {
     PointCloud strip{"strip", {}, {}};
     for (int i = 0; i < 200; ++i)
         for (int j = -5; j <= 5; ++j) {
@@ -63,10 +63,12 @@ TEST_CASE("A one-sided surface shows as conflicts") {
         }
     const PointTree tree(strip.points);
     Orientation result;
-    oriented(strip, tree, result);
-    // One seam across 11 of 2200 points; a tenth of their neighbors at the least are beyond it.
-    CHECK(result.conflicts > 0.0005);
-    CHECK(result.conflicts < 0.0068);  // measured 0.0045
+    const Seams seams = seamsOf(tree, oriented(strip, tree, result));
+    // Across 11 points; two columns of them and more have neighbors beyond it.
+    CHECK(seams.share > 20.0 / 2200);
+    CHECK(seams.share < 0.03);    // measured 0.02
+    CHECK(seams.longest > 0.29);  // of a strip 0.3 wide
+    CHECK(seams.longest < 0.48);  // measured 0.32
 }
 
 }  // namespace igeo::test

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <random>
 
 namespace igeo::test {
 namespace {
@@ -70,6 +71,53 @@ TEST_CASE("A cloud warns where another sheet is within three spacings") {
             CHECK(warnings.front().find("another sheet is within three") != std::string::npos);
         }
     }
+}
+
+TEST_CASE("A cloud warns where normals turn to the other side, and says what helps") {
+    const auto warningsOf = [](const PointCloud& cloud) {
+        return densityWarnings(PointSurface(cloud).density(), "cloud");
+    };
+    const std::string turn = "normals turn to the other side of the surface from point to point";
+    // A Moebius strip 40 spacings wide: its seam is beside 0.9 % of the points.
+    const PointCloud square = squareCloud(400, 1);
+    PointCloud strip{"strip", {}, {}};
+    for (const Vec3d& p : square.points) {
+        if (p.y > 40 || p.x > 399.5) continue;
+        const double u = 2 * std::acos(-1.0) * p.x / 400, v = p.y - 20;
+        const double r = 64 + v * std::cos(u / 2);
+        strip.points.push_back({r * std::cos(u), r * std::sin(u), v * std::sin(u / 2)});
+    }
+    const auto ofStrip = warningsOf(strip);
+    REQUIRE(ofStrip.size() == 1);
+    CHECK(ofStrip[0].find(turn) != std::string::npos);
+    CHECK(ofStrip[0].find("one-sided or too thin for the points: give it as a mesh") !=
+          std::string::npos);
+    // A sphere with normals inward in a cap, and with some turned at random.
+    CloudOptions options;
+    options.normals = true;
+    const PointCloud sphere = sphereCloud(40000, 1, {}, options);
+    CHECK(warningsOf(sphere).empty());
+    std::mt19937 random(2);
+    for (const double share : {0.0, 0.03, 0.3}) {
+        INFO(share << " of the normals turned");
+        PointCloud flipped = sphere;
+        for (Vec3f& n : flipped.normals)
+            if (share > 0 ? double(random()) < share * 4294967296.0 : n.z > 0.8f) n *= -1.0f;
+        const auto warnings = warningsOf(flipped);
+        REQUIRE(warnings.size() == 1);
+        CHECK(warnings[0].find(turn) != std::string::npos);
+        CHECK(warnings[0].find("turn the normals to one side, or leave them out") !=
+              std::string::npos);
+    }
+    // Edges of 45 degrees, where normals of both faces are opposed.
+    PointCloud wedge{"wedge", {}, {}};
+    for (const Vec3d& p : squareCloud(60, 1).points) {
+        wedge.points.push_back(p), wedge.normals.push_back({0, 0, -1});
+        if (p.y == 0) continue;
+        wedge.points.push_back({p.x, p.y * std::sqrt(0.5), p.y * std::sqrt(0.5)});
+        wedge.normals.push_back(Vec3f(Vec3d{0, -std::sqrt(0.5), std::sqrt(0.5)}));
+    }
+    for (const std::string& w : warningsOf(wedge)) CHECK(w.find(turn) == std::string::npos);
 }
 
 TEST_CASE("Scatter is distinguished from shape, and averaged out") {

@@ -1,9 +1,11 @@
 #include <igeo/surface/detail/orient_normals.h>
 
+#include <igeo/base/detail/box.h>
 #include <igeo/base/detail/disjoint_sets.h>
 #include <igeo/base/parallel.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <tuple>
@@ -23,9 +25,28 @@ struct Edge {
     }
 };
 
+/// What the normals of two points say of their sides.
+Edge edgeBetween(const PointTree& points, const std::vector<Vec3d>& normals,
+                 const std::vector<std::uint8_t>& atEdge, Index i, Index j) {
+    constexpr double kOneSheet = 0.95, kOverEdge = 0.6;
+    const Index a = std::min(i, j), b = std::max(i, j);
+    const Vec3d way = normalized(points[b] - points[a]);
+    const double alongA = dot(normals[a], way), alongB = dot(normals[b], way);
+    const double cosine = dot(normals[a], normals[b]);
+    if (!atEdge.empty() && (atEdge[a] || atEdge[b]) && std::abs(cosine) < kOneSheet) {
+        const double trust = kOverEdge * std::min(std::abs(alongA), std::abs(alongB));
+        return {float(1 - trust), alongA * alongB > 0, a, b};
+    }
+    const double agree = cosine - 2 * alongA * alongB;
+    // Two points one above the other may also be scatter of one sheet: there the edges along the
+    // sheet come first.
+    const double steep = std::max(std::abs(alongA), std::abs(alongB));
+    const double trust = std::abs(agree) * (1 - 0.7 * steep);
+    return {float(1 - trust), agree < 0, a, b};
+}
+
 std::vector<Edge> edges(const PointTree& points, const std::vector<Vec3d>& normals,
                         const std::vector<std::uint8_t>& atEdge, std::size_t neighbors) {
-    constexpr double kOneSheet = 0.95, kOverEdge = 0.6;
     const std::size_t k = std::min(neighbors, points.size() - 1);
     std::vector<Edge> all(points.size() * k);
     parallelFor(points.size(), 512, [&](std::size_t begin, std::size_t end) {
@@ -33,24 +54,9 @@ std::vector<Edge> edges(const PointTree& points, const std::vector<Vec3d>& norma
         for (std::size_t i = begin; i < end; ++i) {
             points.nearest(points[i], k + 1, found);
             std::size_t at = i * k;
-            for (const PointTree::Found& f : found) {
-                if (f.point == i || at == (i + 1) * k) continue;
-                const auto a = std::min(Index(i), f.point), b = std::max(Index(i), f.point);
-                const Vec3d way = normalized(points[b] - points[a]);
-                const double alongA = dot(normals[a], way), alongB = dot(normals[b], way);
-                const double cosine = dot(normals[a], normals[b]);
-                if (!atEdge.empty() && (atEdge[a] || atEdge[b]) && std::abs(cosine) < kOneSheet) {
-                    const double trust = kOverEdge * std::min(std::abs(alongA), std::abs(alongB));
-                    all[at++] = {float(1 - trust), alongA * alongB > 0, a, b};
-                    continue;
-                }
-                const double agree = cosine - 2 * alongA * alongB;
-                // Two points one above the other may also be scatter of one sheet: there the edges
-                // along the sheet come first.
-                const double steep = std::max(std::abs(alongA), std::abs(alongB));
-                const double trust = std::abs(agree) * (1 - 0.7 * steep);
-                all[at++] = {float(1 - trust), agree < 0, a, b};
-            }
+            for (const PointTree::Found& f : found)
+                if (f.point != i && at < (i + 1) * k)
+                    all[at++] = edgeBetween(points, normals, atEdge, Index(i), f.point);
         }
     });
     std::sort(all.begin(), all.end());
@@ -59,6 +65,9 @@ std::vector<Edge> edges(const PointTree& points, const std::vector<Vec3d>& norma
               all.end());
     return all;
 }
+
+/// Edges with less doubt lead along a sheet.
+constexpr float kSure = 0.5f;
 
 /// What the edges between two parts say together.
 struct Vote {
@@ -114,20 +123,12 @@ void joinByEdges(std::vector<Edge> edges, SidedSets& sides) {
 
 Orientation orientNormals(const PointTree& points, const std::vector<Vec3d>& normals,
                           const std::vector<std::uint8_t>& atEdge, std::size_t neighbors) {
-    constexpr float kSure = 0.5f;
     const Vec3d outward = normalized(Vec3d{0.31, 0.17, 0.94});  // along no axis
     const std::size_t n = points.size();
     SidedSets sides(n);
-    const std::vector<Edge> all = edges(points, normals, atEdge, neighbors);
-    joinByEdges(all, sides);
-    std::size_t sure = 0, wrong = 0;
-    for (const Edge& e : all)
-        if (e.doubt < kSure)
-            ++sure, wrong += e.turned != (sides.find(e.a).turned != sides.find(e.b).turned);
-
+    joinByEdges(edges(points, normals, atEdge, neighbors), sides);
     Orientation result;
     result.sign.resize(n);
-    result.conflicts = sure ? double(wrong) / double(sure) : 0;
     std::vector<Index> outermost(n);
     std::iota(outermost.begin(), outermost.end(), Index(0));
     for (std::size_t i = 0; i < n; ++i) {
@@ -140,6 +141,52 @@ Orientation orientNormals(const PointTree& points, const std::vector<Vec3d>& nor
         const bool inward = dot(outward, normals[top]) < 0;
         result.sign[i] = (side.turned != sides.find(top).turned) != inward ? -1 : 1;
         result.pieces += side.first == i;
+    }
+    return result;
+}
+
+Seams seamsOf(const PointTree& points, const std::vector<Vec3d>& normals,
+              const std::vector<std::uint8_t>& atEdge, std::size_t neighbors) {
+    constexpr double kOpposite = -0.9;  // of neighbors across a sharp edge: less
+    const std::size_t n = points.size(), k = std::min(neighbors, n - 1);
+    std::vector<std::uint8_t> beside(n);
+    const auto forSure = [&](std::size_t i, std::vector<PointTree::Found>& found,
+                             const auto& visit) {
+        points.nearest(points[i], k + 1, found);
+        for (const PointTree::Found& f : found) {
+            if (f.point == i) continue;
+            const Edge e = edgeBetween(points, normals, atEdge, Index(i), f.point);
+            if (e.doubt < kSure) visit(f.point, e.turned);
+        }
+    };
+    parallelFor(n, 512, [&](std::size_t begin, std::size_t end) {
+        std::vector<PointTree::Found> found;
+        for (std::size_t i = begin; i < end; ++i)
+            forSure(i, found, [&](Index j, bool turned) {
+                if (!turned || dot(normals[i], normals[j]) > kOpposite) return;
+                for (const std::size_t p : {i, std::size_t(j)})
+                    std::atomic_ref(beside[p]).store(1, std::memory_order_relaxed);
+            });
+    });
+    DisjointSets seams(n);
+    std::vector<PointTree::Found> found;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!beside[i]) continue;
+        ++count;
+        forSure(i, found, [&](Index j, bool) {
+            if (beside[j]) seams.join(Index(i), j);
+        });
+    }
+    Seams result;
+    result.share = double(count) / double(n);
+    if (count == 0) return result;
+    std::vector<Box> boxes(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!beside[i]) continue;
+        Box& box = boxes[seams.first(Index(i))];
+        box.include(points[i]);
+        result.longest = std::max(result.longest, length(box.size()));
     }
     return result;
 }

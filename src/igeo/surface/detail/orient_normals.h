@@ -13,9 +13,6 @@ namespace igeo {
 struct Orientation {
     std::vector<std::int8_t> sign;  ///< per point: +1 or -1, the factor of its normal
     std::size_t pieces = 0;         ///< of the neighborhood graph; each is oriented separately
-    /// Share of the certain neighbors whose normals disagree in the end: near 0, unless the surface
-    /// is one-sided or the normals are noise.
-    double conflicts = 0;
 };
 
 /// Signs by the neighborhood graph, as Hoppe, DeRose, Duchamp, McDonald and Stuetzle have it
@@ -36,5 +33,17 @@ struct Orientation {
 /// Time O(n log n), serial except for the search of neighbors.
 Orientation orientNormals(const PointTree& points, const std::vector<Vec3d>& normals,
                           const std::vector<std::uint8_t>& atEdge = {}, std::size_t neighbors = 10);
+
+/// Where normals turn to the other side of the surface from one point to the next.
+struct Seams {
+    double share = 0;    ///< of the points, beside such a turn
+    double longest = 0;  ///< extent of the largest connected part of these, world units
+};
+
+/// Seams by the certain edges of the neighborhood graph of orientNormals().
+/// @param normals  unit, per point, with signs
+/// Time O(n log n), in parallel but for the points beside seams.
+Seams seamsOf(const PointTree& points, const std::vector<Vec3d>& normals,
+              const std::vector<std::uint8_t>& atEdge = {}, std::size_t neighbors = 10);
 
 }  // namespace igeo
