@@ -47,7 +47,7 @@ template <int Width>
 IGEO_INLINE bool passesWall(const PsiAround& psi, const Chord& chord, float& offFrom) {
     using V = typename Registers<Width>::Vector;
     const V zero{}, one = zero + 1;
-    const auto same = [&](const Vec3d& v) {
+    const auto same = [&](const Vec3d& v) __attribute__((always_inline)) {
         return VectorLanes<Width>{zero + float(v.x), zero + float(v.y), zero + float(v.z)};
     };
     const Vec3d middle = normalized(chord.a + chord.b);
@@ -80,7 +80,9 @@ IGEO_INLINE bool passesWall(const PsiAround& psi, const Chord& chord, float& off
                 nearer = toA < toB ? toA : toB, toPlanes = (nearer > 0 ? nearer : zero) / cosine,
                 off = (1 - t) * offFrom + t * offTo,
                 reach = toPlanes + kSlack + (off < kMostOff ? off : zero + kMostOff);
-        const auto beyond = [&](const V& far) { return sign * psi.at(p - mean * (sign * far)); };
+        const auto beyond = [&](const V& far) __attribute__((always_inline)) {
+            return sign * psi.at(p - mean * (sign * far));
+        };
         const V there = beyond(reach);
         found &= (there > kAtSurface) & (there > kept * size);
         if (any(found) && any(found & (beyond(reach / 2) > kAtSurface))) return true;
