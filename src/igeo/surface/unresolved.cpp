@@ -18,8 +18,9 @@ namespace {
 
 /// Voxels. No link leads through walls of 1.2 voxels, some through those of 1.0: measured.
 constexpr double kResolved = 1.1;
-/// Cosine of normals across a wall; at sharp edges normals are less opposite.
-constexpr float kParallel = -0.7f;
+/// Cosine of normals across a wall or gap; those of faces that meet in an edge of more than 26
+/// degrees are less opposite.
+constexpr float kParallel = -0.9f;
 /// Voxels. Values that OpenVDB lowers beside bends contradict others by up to 0.35.
 constexpr float kContradiction = 0.4f;
 /// Within this many steps of a contradiction, S is considered affected.
@@ -84,10 +85,26 @@ private:
 
 }  // namespace
 
+namespace {
+
+/// Whether a sheet nearly parallel to that of node i is within two voxels along an axis.
+bool hasParallel(const Band& band, NodeIndex i) {
+    for (int face = 0; face < 6; ++face)
+        for (const int steps : {1, 2}) {
+            const NodeIndex j = band.neighbor(i, steps * Band::faceStep(face));
+            if (j != kNoNode &&
+                (dot(band.normal[i], band.normal[j]) < kParallel || band.stacked(i, j)))
+                return true;
+        }
+    return false;
+}
+
+}  // namespace
+
 double facingShare(const Band& band) {
     std::size_t facing = 0;
     for (NodeIndex i = 0; i < band.size(); ++i)
-        facing += (band.facing[i] & Band::kFacing) && band.inCore(i);
+        facing += (band.facing[i] & Band::kFacing) && band.inCore(i) && hasParallel(band, i);
     return band.coreSize() > 0 ? double(facing) / double(band.coreSize()) : 0;
 }
 

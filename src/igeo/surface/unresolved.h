@@ -14,7 +14,7 @@ namespace igeo {
 
 /// Shares of the core, in [0, 1]; empty where they do not apply.
 struct Unresolved {
-    /// Level sets: a sheet that faces the opposite direction is within 1.1 voxels, where a voxel
+    /// Level sets: a sheet that is opposed within 26 degrees is within 1.1 voxels, where a voxel
     /// may represent only one of the two.
     std::optional<double> thin;
     /// Level sets: within two voxels of a contradiction in psi.
@@ -28,8 +28,8 @@ struct Unresolved {
     std::optional<int> eulerDifference;
 };
 
-/// The share of the core that a sheet faces within two voxels, so that a front there depends on
-/// Band::linked. Time O(n).
+/// The share of the core that a sheet faces within two voxels, opposed within 26 degrees, so that a
+/// front there depends on Band::linked. Time O(n).
 double facingShare(const Band& band);
 
 /// Half the distance to the nearest sheet that faces core node i, voxels; +infinity: none near.

@@ -12,6 +12,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 
 namespace igeo::test {
 namespace {
@@ -158,6 +159,31 @@ TEST_CASE("unresolved: walls of about a voxel") {
     for (const double voxels : {1.3, 2.0}) {
         INFO("wall of " << voxels);
         CHECK_FALSE(warns(wall(voxels), "thinner than"));
+    }
+}
+
+TEST_CASE("unresolved: the faces of sharp edges face no other sheet") {
+    const TriangleMesh::Triangle base[] = {{3, 2, 1}, {3, 1, 0}};
+    for (const double angle : {70.5, 60.0, 45.0, 30.0})
+        for (const double voxels : {20.0, 50.0}) {
+            TriangleMesh pyramid;
+            const double height = std::tan(angle * M_PI / 180);
+            pyramid.points = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {0, 0, height}};
+            pyramid.triangles.assign(std::begin(base), std::end(base));
+            for (std::uint32_t k = 0; k < 4; ++k) pyramid.triangles.push_back({k, (k + 1) % 4, 4});
+            const TriangleMesh mesh =
+                turnedMesh(moved(pyramid, [&](const Vec3d& p) { return voxels * p; }));
+            const Unresolved u = onVoxels(mesh, 1), made = unresolved(converted(mesh));
+            std::printf("edges of %.1f degrees, %g voxels: facing on %.3g %%, thin on %.3g %%\n",
+                        angle, voxels, 100 * *u.facing, 100 * *made.thin);
+            CHECK_FALSE(warns(u, "sheets face each other"));
+            CHECK_FALSE(warns(made, "thinner than"));
+        }
+    // A gap between blocks, and the slot of a fold.
+    for (const double gap : {1.0, 2.0}) {
+        const Unresolved u = onVoxels(blocks(gap), 1);
+        std::printf("gap of %.1f voxels: facing on %.3g %%\n", gap, 100 * *u.facing);
+        CHECK(warns(u, "sheets face each other"));
     }
 }
 
