@@ -152,6 +152,58 @@ void turnInsideOut(LevelSet& s) {
         "psi is negative outside of the surface: its sign was turned, so that normals point out");
 }
 
+/// The largest |psi| inside and outside; world units.
+struct WidthOfSides {
+    float inside = 0, outside = 0;
+    void add(const WidthOfSides& o) {
+        inside = std::max(inside, o.inside), outside = std::max(outside, o.outside);
+    }
+};
+
+/// Active voxels of one side next to the edge of the narrow band, and those of them with a neighbor
+/// beyond it.
+struct EdgeOfSide {
+    std::uint64_t all = 0, ending = 0;
+    void add(const EdgeOfSide& o) { all += o.all, ending += o.ending; }
+};
+
+/// Voxels that differences need on each side of the surface.
+constexpr double kLeastWidth = 2;
+
+/// Where the narrow band is narrower on one side than differences need, that width counts. A side
+/// that does not end there is only thin, and as wide as it can be.
+void takeNarrowerSide(LevelSet& s) {
+    constexpr double kEdge = 0.5;  // voxels: a step leads deeper by 0.57 or more
+    const std::vector<const Leaf*> leaves = leavesOf(*s.psi);
+    const auto width = sumOver<WidthOfSides>(leaves, 1024, [](WidthOfSides& to, auto some) {
+        for (const Leaf* leaf : some)
+            for (auto it = leaf->cbeginValueOn(); it; ++it)
+                to.add({std::max(-*it, 0.0f), std::max(*it, 0.0f)});
+    });
+    const bool isInside = width.inside < width.outside;
+    const double dx = s.transform.dx, narrow = std::min(width.inside, width.outside) / dx;
+    if (!(narrow < std::min(s.stats.halfWidth, kLeastWidth))) return;
+    const auto edge = sumOver<EdgeOfSide>(leaves, 64, [&](EdgeOfSide& to, auto some) {
+        const openvdb::FloatGrid::ConstAccessor psi = s.psi->getConstAccessor();
+        const auto endsAt = [&](const openvdb::Coord& at) {
+            for (int axis = 0; axis < 3; ++axis)
+                for (const int step : {-1, 1}) {
+                    openvdb::Coord beside = at;
+                    beside[axis] += step;
+                    if (!psi.isValueOn(beside)) return true;
+                }
+            return false;
+        };
+        for (const Leaf* leaf : some)
+            for (auto it = leaf->cbeginValueOn(); it; ++it) {
+                if ((isInside ? -*it : *it) < (narrow - kEdge) * dx) continue;
+                ++to.all;
+                to.ending += endsAt(it.getCoord());
+            }
+    });
+    if (2 * edge.ending > edge.all) s.stats.halfWidth = narrow;
+}
+
 /// Conversions from a mesh may give single voxels in slots of two or three voxels the sign of the
 /// inside: they get that of their neighbors.
 void turnWrongSigns(LevelSet& s) {
@@ -465,8 +517,8 @@ void checkLevelSet(LoadedGrid loaded, LevelSet& s, Progress& progress) {
     turnInsideOut(s);
     turnWrongSigns(s);
     undoConversion(s);
-    // Differences need two voxels on each side of the surface.
-    if (s.stats.halfWidth < 2) widen(s, 3);
+    takeNarrowerSide(s);
+    if (s.stats.halfWidth < kLeastWidth) widen(s, 3);
     measure(s, progress);
     judgeShape(s);
 }
@@ -479,8 +531,8 @@ void widen(LevelSet& s, double halfWidth) {
     const double missing = halfWidth - s.stats.halfWidth - kRounding;
     const int layers = int(std::ceil(std::sqrt(3.0) * missing));
     s.warnings.push_back(
-        fmt::format("the level set is {:.4g} voxels wide on each side and the band needs {:.4g}: "
-                    "widened by fast sweeping (first order there)",
+        fmt::format("the level set is {:.4g} voxels wide on its narrower side and the band needs "
+                    "{:.4g}: widened by fast sweeping (first order there)",
                     s.stats.halfWidth, halfWidth));
     s.psi = openvdb::tools::dilateSdf(*s.psi, layers);
     s.stats.halfWidth = halfWidth;

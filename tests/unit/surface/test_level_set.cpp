@@ -1,4 +1,5 @@
 // What checkLevelSet measures; test_level_set_refusals.cpp has what it refuses.
+#include <igeo/geodesic_solver.h>
 #include <igeo/surface/level_set.h>
 #include <openvdb/tools/Filter.h>
 #include <openvdb/tools/MeshToVolume.h>
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <vector>
 
 namespace igeo::test {
@@ -309,6 +311,35 @@ TEST_CASE("checkLevelSet: a narrow level set is widened to take differences") {
     CHECK(s.stats.halfWidth == 3);
     REQUIRE(s.warnings.size() == 1);
     CHECK(s.warnings[0].find("widened by fast sweeping") != std::string::npos);
+}
+
+TEST_CASE("checkLevelSet: a level set that is narrow on one side only is widened too") {
+    const double dx = 0.05;
+    for (const Shape& shape : {sphere(kOffLattice, 1), torus(kOffLattice, 1, 0.4)})
+        for (const double width : {1.2, 1.5, 1.9, 2.5})
+            for (const int side : {-1, 1}) {
+                INFO(shape.name << ", " << width << " voxels on side " << side);
+                const auto grid = makeLevelSet(shape, dx, 4);
+                const auto most = float(width * dx), sign = float(side);
+                for (auto it = grid->beginValueOn(); it; ++it)
+                    if (sign * *it > most) it.setValue(sign * most), it.setValueOff();
+                const LevelSet s = checkedLevelSet(grid);
+                CHECK(s.stats.cutVoxels == 0);
+                REQUIRE(s.warnings.size() == (width < 2 ? 1 : 0));
+                if (width < 2)
+                    CHECK(s.warnings[0].find("widened by fast sweeping") != std::string::npos);
+                if (shape.name != "sphere") continue;
+                const Vec3d center = fromVdb(kOffLattice), out{1, 0, 0};
+                const Distance d = GeodesicSolver(Surface(*grid)).distance({center + out});
+                const double off = std::abs(d.at(center - out) / M_PI - 1);
+                std::printf("sphere, %.1f voxels on side %d: off by %.5f %%\n", width, side,
+                            100 * off);
+                CHECK(off < 0.0001);  // measured 0.000065
+            }
+    // One that is thin on one side is no narrower.
+    const LevelSetStats plate = statsOf(thinSheet(kOffLattice, 0.8, 0.6, 3 * dx), dx, 4);
+    CHECK(plate.halfWidth > 3.98);
+    CHECK(plate.cutVoxels == 0);
 }
 
 TEST_CASE("widen: fills the band up to the width asked for") {
