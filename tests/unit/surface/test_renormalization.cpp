@@ -8,7 +8,9 @@
 #include <support/catch.h>
 #include <support/shapes.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <vector>
 
 namespace igeo::test {
@@ -113,6 +115,43 @@ TEST_CASE("isRenormalized: no other level sets") {
     CHECK(!isRenormalized(*filtered));
     // Nothing to look at.
     CHECK(!isRenormalized(*Grid::create(1)));
+}
+
+TEST_CASE("isRenormalized: no distances that were computed in single precision") {
+    // A root less a radius: multiples of the last place of the root.
+    const auto torus = [](const Vec3s& p, float r) {
+        const float across = std::hypot(p.x(), p.y()) - 2 * r;
+        return std::sqrt(across * across + p.z() * p.z()) - r;
+    };
+    const auto capsule = [](const Vec3s& p, float r) {
+        const float along = p.x() - std::clamp(p.x(), -r, r);
+        return std::sqrt(along * along + p.y() * p.y() + p.z() * p.z()) - r;
+    };
+    const auto ball = [](const Vec3s& p, float r) { return p.length() - r; };
+    int count = 0;
+    for (const float dx : {0.1f, 0.05f, 1.0f, 0.01f, 0.0711f, 37.0f})
+        for (const float voxels : {3.0f, 4.0f, 5.0f, 6.5f, 8.0f, 10.0f, 12.0f})
+            for (const Vec3s& off : {Vec3s(0.1f, 0.2f, 0.3f), Vec3s(0.123f, 0.417f, 0.33f)}) {
+                CAPTURE(dx, voxels, off.x());
+                const float r = voxels * dx;
+                auto check = [&](int reach, const auto& psi) {
+                    const Grid::Ptr grid = Grid::create(3 * dx);
+                    grid->setTransform(openvdb::math::Transform::createLinearTransform(dx));
+                    const openvdb::CoordBBox box(openvdb::Coord(-reach), openvdb::Coord(reach));
+                    for (auto at = box.begin(); at; ++at) {
+                        const Vec3s p((*at).asVec3s() + off);
+                        const float value = psi(p * dx, r);
+                        if (std::abs(value) < 3 * dx) grid->tree().setValueOn(*at, value);
+                    }
+                    CHECK(!isRenormalized(*grid));
+                    ++count;
+                };
+                const int around = int(voxels) + 5;
+                check(around + 2 * int(voxels) + 2, torus);
+                check(around + int(voxels) + 1, capsule);
+                check(around, ball);
+            }
+    std::printf("isRenormalized: %d distances in single precision\n", count);
 }
 
 TEST_CASE("undoRenormalization: psi is nearly what it was before the step") {

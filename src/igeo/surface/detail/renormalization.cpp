@@ -5,11 +5,13 @@
 #include <igeo/surface/detail/leaf_block.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <memory>
 #include <numeric>
 #include <set>
+#include <utility>
 #include <vector>
 
 namespace igeo {
@@ -356,27 +358,58 @@ private:
 
 }  // namespace
 
+namespace {
+
+constexpr std::size_t kEnoughValues = 16;
+
+/// Whether values are as a distance that was computed in single precision: roots less a radius,
+/// multiples of the last place of the root. Of what conversions had before their last addition
+/// every other value is odd, or all are as far from a multiple: planes whose places have few bits.
+/// @param back  what that added
+bool areRootsLess(std::vector<float> values, double back) {
+    constexpr double kFewOdd = 1 / 8.0, kAlmostAll = 7 / 8.0;
+    constexpr unsigned kPlaces = 16;
+    std::sort(values.begin(), values.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+    if (values.size() < kEnoughValues) return false;
+    std::size_t odd = 0;
+    std::array<std::size_t, kPlaces> off{};  // numbers of values by their place above a multiple
+    for (const float value : values) {
+        const double place = std::ldexp(1, std::ilogb(double(value) - back) - 23),
+                     over = std::fmod(double(value), kPlaces * place) / place;
+        odd += std::fmod(over, 2) != 0;
+        ++off[unsigned(over + kPlaces) % kPlaces];
+    }
+    const std::size_t most = *std::max_element(off.begin() + 1, off.end());
+    const auto all = double(values.size());
+    return double(odd) < kFewOdd * all && double(most) < kAlmostAll * all;
+}
+
+}  // namespace
+
 bool isRenormalized(const openvdb::FloatGrid& psi) {
     // Among values with a tenth of the offset, which have three bits more, some coarse ones show
     // nothing.
-    constexpr double kNear = 0.1, kAll = 0.99, kFew = 0.5;
-    constexpr std::size_t kEnough = 16, kLeaves = 1000;
+    constexpr double kNear = 0.1, kWithin = 0.4, kAll = 0.99, kFew = 0.5;
+    constexpr std::size_t kLeaves = 1000;
     const auto dx = float(psi.transform().voxelSize()[0]), offset = float(kOffset * double(dx)),
                back = offset - kShift;
     std::vector<const Leaf*> leaves;
     psi.tree().getNodes(leaves);
     std::size_t near = 0, fit = 0, coarse = 0;
+    std::vector<float> within;
     for (std::size_t l = 0; l < leaves.size(); l += leaves.size() / kLeaves + 1)
         forActive(*leaves[l], [&](float at) {
             const double value = double(at), before = value - double(back);
+            if (std::abs(value) < kWithin * double(dx) && before < 0) within.push_back(at);
             if (!(std::abs(value) < kNear * double(dx))) return;
             const double coarsest = std::ldexp(16, std::ilogb(before) - 23);
             ++near;
             fit += double(float(before)) == before;
             coarse += std::fmod(value, coarsest) == 0;
         });
-    return near >= kEnough && double(fit) > kAll * double(near) &&
-           double(coarse) < kFew * double(near);
+    return near >= kEnoughValues && double(fit) > kAll * double(near) &&
+           double(coarse) < kFew * double(near) && !areRootsLess(std::move(within), double(back));
 }
 
 Undone undoRenormalization(openvdb::FloatGrid& psi, double dx) {

@@ -13,8 +13,10 @@ namespace igeo {
 /// It ends with a step of renormalization (Renormalize in tools/MeshToVolume.h) between two
 /// additions, of -0.8 voxels and of 0.8 voxels less 1e-7. Values next to zero keep only the bits
 /// that a number of 0.8 voxels has: here all of them do, of other values one in eight or fewer.
-/// Values with few bits, as of a plane between voxels or in half precision, show nothing. Looks at
-/// a thousand leaves.
+/// Values with few bits, as of a plane between voxels or in half precision, show nothing. Distances
+/// computed in single precision, as a root less a radius of 1.5 to 13 voxels, have such bits too;
+/// 16 or more different ones tell them apart, as almost all are even in the last place then. Looks
+/// at a thousand leaves.
 bool isRenormalized(const openvdb::FloatGrid& psi);
 
 /// Numbers of voxels once the step is undone.
