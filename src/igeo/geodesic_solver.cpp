@@ -301,7 +301,9 @@ void Query::addCurvesAndRegions() {
     }
     for (std::size_t k = 0; k < asked_.regions.size(); ++k) {
         const std::string name = nameOf("seed region", k, asked_.curves.size() + k);
-        const std::vector<SurfacePoint> rim = seedsAround(band(), *asked_.regions[k], progress_);
+        std::vector<SurfacePoint> rim = seedsAround(band(), *asked_.regions[k], progress_);
+        if (rim.empty() && !asked_.isSigned)
+            rim = seedWithin(band(), *asked_.regions[k], progress_);
         if (rim.empty())
             throw Error(Kind::InvalidArgument, name + ": its rim does not cross the surface",
                         "give a region that holds some voxels of the surface, and not all");

@@ -68,7 +68,7 @@ SeedInput readSeeds(const SeedOptions& o, const igeo::Surface& surface) {
         }
     for (const igeo::GridSource& source : o.seedMasks) {
         auto region = std::make_shared<igeo::ObstacleSet>(surface.transform());
-        const auto warnings = addObstacle(source, surface, *region);
+        const auto warnings = addRegion(source, surface, *region);
         in.warnings.insert(in.warnings.end(), warnings.begin(), warnings.end());
         in.seeds.regions.push_back(region);
         in.names.push_back("mask " + source.text());

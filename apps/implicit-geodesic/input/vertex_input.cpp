@@ -75,6 +75,27 @@ std::vector<bool> regionVertices(const igeo::GridSource& source, const igeo::Tri
     return inside;
 }
 
+using AddVertices = void (igeo::ObstacleSet::*)(const igeo::TriangleMesh&,
+                                                const std::vector<bool>&);
+
+std::vector<std::string> addBody(const igeo::GridSource& source, const igeo::Surface& surface,
+                                 AddVertices addVertices, igeo::ObstacleSet& set) {
+    if (igeo::isAnnotationFile(source.file)) {
+        const igeo::TriangleMesh& mesh = meshOf(surface, source.file);
+        (set.*addVertices)(mesh, regionVertices(source, mesh));
+        return {};
+    }
+    if (igeo::isVertexDataFile(source.file)) {
+        const igeo::TriangleMesh& mesh = meshOf(surface, source.file);
+        (set.*addVertices)(mesh, blockedVertices(source, valuesOf(source.file, mesh)));
+        return {};
+    }
+    const igeo::ObstacleGrid grid =
+        guardedRead(source.file, [&] { return igeo::readObstacleGrid(source); });
+    set.addGrid(grid);
+    return grid.warnings;
+}
+
 }  // namespace
 
 void requireVertices(const std::string& file, std::size_t count, std::size_t ofMesh) {
@@ -87,20 +108,12 @@ void requireVertices(const std::string& file, std::size_t count, std::size_t ofM
 
 std::vector<std::string> addObstacle(const igeo::GridSource& source, const igeo::Surface& surface,
                                      igeo::ObstacleSet& obstacles) {
-    if (igeo::isAnnotationFile(source.file)) {
-        const igeo::TriangleMesh& mesh = meshOf(surface, source.file);
-        obstacles.addVertices(mesh, regionVertices(source, mesh));
-        return {};
-    }
-    if (igeo::isVertexDataFile(source.file)) {
-        const igeo::TriangleMesh& mesh = meshOf(surface, source.file);
-        obstacles.addVertices(mesh, blockedVertices(source, valuesOf(source.file, mesh)));
-        return {};
-    }
-    const igeo::ObstacleGrid grid =
-        guardedRead(source.file, [&] { return igeo::readObstacleGrid(source); });
-    obstacles.addGrid(grid);
-    return grid.warnings;
+    return addBody(source, surface, &igeo::ObstacleSet::addVertices, obstacles);
+}
+
+std::vector<std::string> addRegion(const igeo::GridSource& source, const igeo::Surface& surface,
+                                   igeo::ObstacleSet& region) {
+    return addBody(source, surface, &igeo::ObstacleSet::addVertexRegion, region);
 }
 
 std::vector<double> vertexWeights(const std::string& file, const igeo::Surface& surface) {

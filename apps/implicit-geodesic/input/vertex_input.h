@@ -17,6 +17,10 @@
 std::vector<std::string> addObstacle(const igeo::GridSource& source, const igeo::Surface& surface,
                                      igeo::ObstacleSet& obstacles);
 
+/// The same as a region of seeds: lines of vertices and lone ones have no width.
+std::vector<std::string> addRegion(const igeo::GridSource& source, const igeo::Surface& surface,
+                                   igeo::ObstacleSet& region);
+
 /// @throws igeo::Error  BadInput for a file with another number of vertices than the mesh
 void requireVertices(const std::string& file, std::size_t count, std::size_t ofMesh);
 

@@ -38,8 +38,8 @@ std::vector<igeo::Seed> seedsOf(const Array<double>& points, const Array<double>
 /// Adds the vertices of a mesh with `inside` true, as a region.
 void addRegion(Seeds& seeds, const GeodesicSolver& solver, const Array<bool>& inside) {
     auto region = std::make_shared<igeo::ObstacleSet>(solver.surface().transform());
-    region->addVertices(igeo::requireMesh(solver.surface()),
-                        std::vector<bool>(inside.data(), inside.data() + inside.size()));
+    region->addVertexRegion(igeo::requireMesh(solver.surface()),
+                            std::vector<bool>(inside.data(), inside.data() + inside.size()));
     seeds.regions.push_back(region);
 }
 

@@ -14,6 +14,8 @@ namespace {
 constexpr double kSegment = 0.5;  ///< length of a segment of a curve, voxels
 /// Points found on S between two tests of cancellation.
 constexpr std::size_t kLookEverySeeds = 64;
+/// Voxels of a region, the same.
+constexpr std::size_t kLookEveryVoxels = 1 << 14;
 
 }  // namespace
 
@@ -173,6 +175,64 @@ SurfacePoint rimPoint(const Band& band, const Obstacles& region, NodeIndex insid
     return s;
 }
 
+/// Seeds of the parts of a region that lie between the foot points: its lines, and its voxels that
+/// meet S, where no other seed is near.
+/// @param rim  the seeds by foot points
+std::vector<SurfacePoint> seedsBetween(const Band& band, const Obstacles& region,
+                                       const std::vector<std::uint8_t>& inside,
+                                       const std::vector<SurfacePoint>& rim,
+                                       const Progress& progress) {
+    constexpr double kReach = 1.5;  // voxels: how far a voxel that meets S is from it
+    // A point of the region with foot points outside around it is so near to the rim.
+    constexpr double kToRim = 1.25;
+    const SeedsNear rimNear(rim, kToRim);
+    auto isCovered = [&](const Vec3d& p, double within) {
+        bool is = false;
+        rimNear.forNear(p, [&](std::size_t k) { is |= length(rim[k].pIndex - p) < within; });
+        return is;
+    };
+    std::vector<SurfacePoint> seeds;
+    region.forLines([&](const Obstacles::Line& line) {
+        CurveSeeds along(band, 0, progress);
+        along.add(line.from);
+        if (!along.addLine(line.from, line.to))
+            throw Error(Error::Kind::InvalidArgument, "an edge of a region leaves the surface",
+                        "use smaller voxels");
+        for (SurfacePoint& s : along.seeds) {
+            s.rim = !rim.empty();
+            if (!isCovered(s.pIndex + 0.5 * s.segment, kSegment)) seeds.push_back(s);
+        }
+    });
+    // Whether the foot point of the core that is nearest to a point of S lies inside.
+    auto isNextToInside = [&](const Vec3d& p, NodeIndex around) {
+        double least = kInfinity;
+        bool is = false;
+        auto look = [&](NodeIndex j) {
+            const double off = length(band.footPoint(j) - p);
+            if (band.inCore(j) && off < least) least = off, is = inside[j];
+        };
+        look(around);
+        band.forNeighbors(&BandLeaf::band, around, [&](NodeIndex j, int, int, int) { look(j); });
+        return is;
+    };
+    std::size_t looked = 0;
+    region.forVoxels([&](const Vec3d& center) {
+        if (looked++ % kLookEveryVoxels == 0) progress.throwIfCancelled();
+        const NodeIndex i = band.nodeAt(roundToIjk(center));
+        if (i == kNoNode || std::abs(band.psi[i]) > kReach || (inside[i] && band.inCore(i))) return;
+        const Vec3d normal(band.normal[i]);
+        Vec3d p = center;
+        if (!projectToSurface(band, p, normal)) p = band.footPoint(i);
+        const NodeIndex there = band.nodeAt(roundToIjk(p));
+        if (isNextToInside(p, there == kNoNode ? i : there) || isCovered(p, kToRim) ||
+            !region.block(p, p, normal))
+            return;
+        seeds.push_back(nearestSurfacePoint(band, p));
+        seeds.back().rim = true;
+    });
+    return seeds;
+}
+
 }  // namespace
 
 std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region,
@@ -195,12 +255,29 @@ std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region,
         }
     });
     std::vector<SurfacePoint> seeds;
-    for (const auto& part : found)
-        for (const SurfacePoint& s : part) {
-            seeds.push_back(s);
-            seeds.back().joined = seeds.size() > 1;
-        }
+    for (const auto& part : found) seeds.insert(seeds.end(), part.begin(), part.end());
+    const std::vector<SurfacePoint> thin = seedsBetween(band, region, inside, seeds, progress);
+    seeds.insert(seeds.end(), thin.begin(), thin.end());
+    for (std::size_t k = 1; k < seeds.size(); ++k) seeds[k].joined = true;
     return seeds;
+}
+
+std::vector<SurfacePoint> seedWithin(const Band& band, const Obstacles& region,
+                                     Progress& progress) {
+    const std::vector<std::uint8_t> inside = nodesInside(band, region, progress);
+    NodeIndex first = kNoNode;
+    bool all = true;
+    for (NodeIndex i = 0; i < band.size(); ++i)
+        if (band.inCore(i)) {
+            if (inside[i] && first == kNoNode) first = i;
+            all &= inside[i] > 0;
+        }
+    if (first == kNoNode || all) return {};
+    SurfacePoint s;
+    s.pIndex = s.askedIndex = band.footPoint(first);
+    s.node = first;
+    s.rim = true;
+    return {s};
 }
 
 }  // namespace igeo

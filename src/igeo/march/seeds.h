@@ -124,13 +124,21 @@ std::vector<SurfacePoint> seedsAlong(const Band& band, const Curve& curve, doubl
 /// The part of S inside a body, as seeds: points on its rim, where foot points of the core inside
 /// and outside are neighbors, found by bisection to a thousandth of a voxel. About three points per
 /// voxel of the rim; errors of the distance are at most 0.05 voxels next to it and smaller farther
-/// out.
-/// @param region bodies in index space; only block(p, p, normal) is called
-/// @return empty where no foot point is inside, or all are
+/// out. Parts between the foot points: the lines of the region as segments, and the points of S
+/// next to the centers of its voxels; of rims and voxels those half a voxel or more from the other
+/// seeds.
+/// @param region bodies in index space; block(p, p, normal) is called
+/// @return empty where the region does not cross S, or holds whole components
 /// @throws Error  Cancelled
-/// Time O(n) where the region may be, in parallel.
+/// Time O(n) where the region may be, in parallel, and O(lines and voxels of the region).
 std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region,
                                       Progress& progress = Progress::none());
+
+/// A point inside a body that holds whole components of S, and not all of S; else empty.
+/// @throws Error  Cancelled
+/// Time O(n), in parallel.
+std::vector<SurfacePoint> seedWithin(const Band& band, const Obstacles& region,
+                                     Progress& progress = Progress::none());
 
 /// Per node whether its foot point lies inside a body.
 /// @throws Error  Cancelled

@@ -70,8 +70,10 @@ private:
 }  // namespace
 
 void clearInside(const std::vector<std::uint8_t>& inside, std::uint32_t source, Field& field) {
+    // A region of lines alone holds none.
+    if (std::find(inside.begin(), inside.end(), 1) == inside.end()) return;
     for (std::size_t i = 0; i < inside.size(); ++i)
-        if (inside[i] && field.distance[i] < kInfinity) {
+        if (inside[i] && !field.metric->inside(NodeIndex(i))) {
             field.distance[i] = 0;
             if (!field.gradient.empty()) field.gradient[i] = {};
             if (!field.label.empty()) field.label[i] = source;

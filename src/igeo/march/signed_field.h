@@ -13,7 +13,7 @@
 namespace igeo {
 
 /// Turns the distance from a region into the distance outside of it: 0 at nodes inside, whatever
-/// the other seeds.
+/// the other seeds, and where no front came; not in obstacles.
 /// @param inside per node (nodesInside)
 /// @param source of the region (Field::source)
 void clearInside(const std::vector<std::uint8_t>& inside, std::uint32_t source, Field& field);

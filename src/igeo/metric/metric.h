@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -26,6 +27,16 @@ public:
 
     /// False only if no obstacle comes within `radius` voxels of p. O(1).
     virtual bool mayBeNear(const Vec3d& p, double radius) const = 0;
+
+    /// A straight segment on S, or a point of S where both ends are equal.
+    struct Line {
+        Vec3d from, to;
+    };
+    /// Visits the parts without an area and the rims of the others, as far as they are known as
+    /// lines: edges and vertices of a mesh.
+    virtual void forLines(const std::function<void(const Line&)>&) const {}
+    /// Visits the centers of the voxels that make up the rest.
+    virtual void forVoxels(const std::function<void(const Vec3d&)>&) const {}
 };
 
 /// A symmetric tensor in index axes. As a metric, G of M&S 5.1: the length of a curve C is the

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <tuple>
 #include <utility>
 
@@ -135,6 +136,45 @@ bool maskBlocks(const VoxelSet& mask, const IndexMap& map, const Vec3d& a, const
     return false;
 }
 
+/// Per point of a mesh whether a vertex there has `true`.
+std::vector<bool> pointsWith(const TriangleMesh& mesh, const std::vector<bool>& ofVertex) {
+    std::vector<bool> with;
+    for (const double value :
+         valuesAtPoints(mesh, std::vector<double>(ofVertex.begin(), ofVertex.end())))
+        with.push_back(value > 0);
+    return with;
+}
+
+using Ends = std::pair<std::uint32_t, std::uint32_t>;
+
+/// The edges between two points inside, but those between two triangles inside or at the rim of the
+/// mesh; and the other points inside, as edges from a point to itself.
+std::vector<Ends> linesOf(const TriangleMesh& mesh, const std::vector<bool>& inside) {
+    struct Sides {
+        std::size_t inside = 0, all = 0;
+    };
+    std::map<Ends, Sides> edges;
+    std::vector<bool> isLone(inside.size());
+    for (const TriangleMesh::Triangle& t : mesh.triangles)
+        for (const std::uint32_t p : t) isLone[p] = inside[p];
+    for (const TriangleMesh::Triangle& t : mesh.triangles) {
+        const bool whole = inside[t[0]] && inside[t[1]] && inside[t[2]];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+            if (!inside[a] || !inside[b]) continue;
+            isLone[a] = isLone[b] = false;
+            Sides& sides = edges[std::minmax(a, b)];
+            sides.inside += whole, ++sides.all;
+        }
+    }
+    std::vector<Ends> lines;
+    for (const auto& [ends, sides] : edges)
+        if (sides.inside < sides.all) lines.push_back(ends);
+    for (std::uint32_t p = 0; p < inside.size(); ++p)
+        if (isLone[p]) lines.emplace_back(p, p);
+    return lines;
+}
+
 class EitherObstacle final : public Obstacles {
 public:
     EitherObstacle(std::shared_ptr<const Obstacles> a, std::shared_ptr<const Obstacles> b)
@@ -228,29 +268,42 @@ bool ObstacleSet::patchBlocks(const Patch& patch, const Vec3d& a, const Vec3d& b
 }
 
 void ObstacleSet::addVertices(const TriangleMesh& mesh, const std::vector<bool>& blocked) {
-    const std::vector<double> atPoint =
-        valuesAtPoints(mesh, std::vector<double>(blocked.begin(), blocked.end()));
+    addParts(mesh, blocked, 1);
+}
+
+void ObstacleSet::addVertexRegion(const TriangleMesh& mesh, const std::vector<bool>& inside) {
+    addParts(mesh, inside, 3);
+    for (const auto& [from, to] : linesOf(mesh, pointsWith(mesh, inside)))
+        lines_.push_back({transform_.indexFromWorld(mesh.points[from]),
+                          transform_.indexFromWorld(mesh.points[to])});
+}
+
+void ObstacleSet::addParts(const TriangleMesh& mesh, const std::vector<bool>& blocked,
+                           std::size_t least) {
+    const std::vector<bool> atPoint = pointsWith(mesh, blocked);
     std::vector<Vec3d> points;
     for (const Vec3d& p : mesh.points) points.push_back(transform_.indexFromWorld(p));
     TriangleMesh oriented = mesh;
     orientConsistently(oriented);
     std::vector<SurfaceTriangles::Triangle> parts;
     std::vector<Vec3d> normals;
+    bool any = false;
     for (const TriangleMesh::Triangle& t : oriented.triangles) {
         std::vector<std::uint32_t> corners;
         for (const std::uint32_t c : t)
-            if (atPoint[c] > 0) corners.push_back(c);
-        if (corners.empty()) continue;
+            if (atPoint[c]) corners.push_back(c);
+        any |= !corners.empty();
+        if (corners.size() < least) continue;
         // Edges and points become triangles without area.
         corners.resize(3, corners.back());
         parts.push_back({corners[0], corners[1], corners[2]});
         const Vec3d& first = points[t[0]];
         normals.push_back(normalized(cross(points[t[1]] - first, points[t[2]] - first)));
     }
-    if (parts.empty())
+    if (!any)
         throw Error(Kind::BadInput, "the obstacle blocks no vertex of '" + mesh.file + "'",
                     "a vertex is blocked by a value that is not 0, or by the value that is named");
-    addPatch(std::move(points), std::move(parts), std::move(normals));
+    if (!parts.empty()) addPatch(std::move(points), std::move(parts), std::move(normals));
 }
 
 void ObstacleSet::addTriangles(const SurfaceTriangles& mesh, const std::vector<bool>& blocked) {
@@ -368,6 +421,31 @@ bool ObstacleSet::block(const Vec3d& oneEnd, const Vec3d& otherEnd, const Vec3d&
     for (const auto& patch : patches_)
         if (patchBlocks(patch, a, b, normal)) return true;
     return false;
+}
+
+void ObstacleSet::forLines(const std::function<void(const Line&)>& visit) const {
+    for (const Line& line : lines_) visit(line);
+}
+
+void ObstacleSet::forVoxels(const std::function<void(const Vec3d&)>& visit) const {
+    auto visitAll = [&](const IndexMap& toBand, auto voxels, const auto& isInside) {
+        for (; voxels; ++voxels) {
+            const Coord at = voxels.getCoord();
+            if (isInside(*voxels)) visit(toBand(Vec3d(at.x(), at.y(), at.z())));
+        }
+    };
+    for (const MaskBody& body : masks_) {
+        const IndexMap toBand = body.map.inverse();
+        std::vector<const VoxelSet::LeafNodeType*> leaves;
+        body.blocked->getNodes(leaves);
+        for (const auto* leaf : leaves)
+            visitAll(toBand, leaf->cbeginValueOn(), [](bool) { return true; });
+    }
+    for (const LevelSetBody& body : levelSets_) {
+        const IndexMap toBand = body.map.inverse();
+        for (auto leaf = body.grid->tree().cbeginLeaf(); leaf; ++leaf)
+            visitAll(toBand, leaf->cbeginValueAll(), [](float value) { return value < 0; });
+    }
 }
 
 std::shared_ptr<const Obstacles> either(std::shared_ptr<const Obstacles> a,

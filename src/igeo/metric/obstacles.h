@@ -60,6 +60,12 @@ public:
     /// Time O(n log n).
     void addVertices(const TriangleMesh& mesh, const std::vector<bool>& blocked);
 
+    /// A part of the mesh as a region of seeds: triangles between three of the vertices block as
+    /// above; edges without such a triangle and vertices without such an edge are lines alone.
+    /// @throws Error  as addVertices
+    /// Time O(n log n).
+    void addVertexRegion(const TriangleMesh& mesh, const std::vector<bool>& inside);
+
     /// Triangles of the band's mesh, and all within a fifth of a voxel of them along the surface.
     /// @param blocked  per triangle; at least one
     /// Time O(n log n).
@@ -67,13 +73,17 @@ public:
 
     bool empty() const {
         return spheres_.empty() && boxes_.empty() && levelSets_.empty() && masks_.empty() &&
-               patches_.empty();
+               patches_.empty() && lines_.empty();
     }
 
     /// O(spheres and boxes), and 0.3 to 0.5 microseconds measured per grid where one is near; more
     /// for grids much finer than the band.
     bool block(const Vec3d& a, const Vec3d& b, const Vec3d& normal) const override;
     bool mayBeNear(const Vec3d& p, double radius) const override;
+    /// Those of addVertexRegion.
+    void forLines(const std::function<void(const Line&)>& visit) const override;
+    /// Of masks, and negative ones of level sets; not of tiles, which are no thin parts.
+    void forVoxels(const std::function<void(const Vec3d&)>& visit) const override;
 
 private:
     /// A tree without its virtual functions, which a compiler takes seven seconds for.
@@ -111,12 +121,15 @@ private:
         std::shared_ptr<const SurfaceTriangles> parts;
         std::vector<Vec3d> normal;  ///< per part that of its triangle, oriented as in the band
     };
+    /// @param least  of the corners of a triangle so many have to be blocked
+    void addParts(const TriangleMesh& mesh, const std::vector<bool>& blocked, std::size_t least);
     /// @param parts  alone, without neighbors
     void addPatch(std::vector<Vec3d> points, std::vector<SurfaceTriangles::Triangle> parts,
                   std::vector<Vec3d> normals);
     static bool patchBlocks(const Patch& patch, const Vec3d& a, const Vec3d& b,
                             const Vec3d& normal);
     std::vector<Patch> patches_;
+    std::vector<Line> lines_;
     std::shared_ptr<VoxelSet> near_;  ///< cells of 8^3 voxels of the band that grids reach into
     bool everywhere_ = false;         ///< a level set blocks everything far away
 };
