@@ -41,7 +41,7 @@ class LogMap:
     """The logarithmic map: the position of points relative to the nearest seed, as vectors (u, v) in
     its tangent plane.
 
-    The length is the distance; the direction is that of the geodesic at the seed.
+    The length is the distance; the direction is that in which the shortest path leaves the seed.
     """
 
     def __init__(self, made: _igeo.LogMap, surface: Surface) -> None:
