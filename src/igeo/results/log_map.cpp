@@ -546,7 +546,7 @@ LogMap::Frame frameAt(const Field& field, const SurfacePoint& seed, const Vec3d&
 }  // namespace
 
 LogMap logMap(const Field& field, const Vec3d& reference, Progress& progress) {
-    if (!field.atFootPoints || field.gradient.size() != field.distance.size())
+    if (!field.jets || field.gradient.size() != field.distance.size())
         throw Error(Error::Kind::InvalidArgument,
                     "the logarithmic map needs a field that has a gradient at foot points",
                     "march with the scheme jet");
