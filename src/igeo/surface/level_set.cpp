@@ -152,13 +152,24 @@ void turnInsideOut(LevelSet& s) {
         "psi is negative outside of the surface: its sign was turned, so that normals point out");
 }
 
+/// Voxels that differences need on each side of the surface.
+constexpr double kLeastWidth = 2;
+
 /// The largest |psi| inside and outside; world units.
 struct WidthOfSides {
     float inside = 0, outside = 0;
-    void add(const WidthOfSides& o) {
-        inside = std::max(inside, o.inside), outside = std::max(outside, o.outside);
-    }
 };
+/// The same, or `enough` and more on both sides.
+WidthOfSides widthOfSides(const std::vector<const Leaf*>& leaves, double enough) {
+    WidthOfSides width;
+    for (const Leaf* leaf : leaves) {
+        for (auto it = leaf->cbeginValueOn(); it; ++it)
+            width.inside = std::max(width.inside, -*it),
+            width.outside = std::max(width.outside, *it);
+        if (double(std::min(width.inside, width.outside)) >= enough) break;
+    }
+    return width;
+}
 
 /// Active voxels of one side next to the edge of the narrow band, and those of them with a neighbor
 /// beyond it.
@@ -167,21 +178,15 @@ struct EdgeOfSide {
     void add(const EdgeOfSide& o) { all += o.all, ending += o.ending; }
 };
 
-/// Voxels that differences need on each side of the surface.
-constexpr double kLeastWidth = 2;
-
 /// Where the narrow band is narrower on one side than differences need, that width counts. A side
 /// that does not end there is only thin, and as wide as it can be.
 void takeNarrowerSide(LevelSet& s) {
     constexpr double kEdge = 0.5;  // voxels: a step leads deeper by 0.57 or more
     const std::vector<const Leaf*> leaves = leavesOf(*s.psi);
-    const auto width = sumOver<WidthOfSides>(leaves, 1024, [](WidthOfSides& to, auto some) {
-        for (const Leaf* leaf : some)
-            for (auto it = leaf->cbeginValueOn(); it; ++it)
-                to.add({std::max(-*it, 0.0f), std::max(*it, 0.0f)});
-    });
+    const double dx = s.transform.dx;
+    const WidthOfSides width = widthOfSides(leaves, kLeastWidth * dx);
     const bool isInside = width.inside < width.outside;
-    const double dx = s.transform.dx, narrow = std::min(width.inside, width.outside) / dx;
+    const double narrow = std::min(width.inside, width.outside) / dx;
     if (!(narrow < std::min(s.stats.halfWidth, kLeastWidth))) return;
     const auto edge = sumOver<EdgeOfSide>(leaves, 64, [&](EdgeOfSide& to, auto some) {
         const openvdb::FloatGrid::ConstAccessor psi = s.psi->getConstAccessor();
