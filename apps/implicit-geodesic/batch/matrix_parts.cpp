@@ -51,6 +51,8 @@ MatrixPart readPart(const std::string& file) {
         if (!part.document.contains("rows"))
             inputError(file + " is a whole matrix, no part of one",
                        "parts are written by --matrix FILE.json --matrix-rows K/N");
+        if (Json& warnings = part.document["warnings"]; warnings.is_null())
+            warnings = Json::array();
         for (const char* list : {"seeds", "targets", "distance", "warnings"})
             if (!part.document.at(list).is_array())
                 inputError(file + ": '" + list + "' is no list", "write it again");

@@ -364,7 +364,7 @@ std::string clampOf(const LevelSet& s) {
 
 void judgeGradient(LevelSet& s) {
     const LevelSetStats& st = s.stats;
-    const char* const remedy =
+    const std::string remedy =
         "values in voxel units must be multiplied by the voxel size, those of a grid whose "
         "transform was scaled by the same factor; anything else must be redistanced by rebuilt(); "
         "what is too thin or too rough for its voxels stays none";
@@ -390,7 +390,7 @@ void judgeGradient(LevelSet& s) {
             "[0.75, 1.25]; a signed distance has 1 and at least 70 %{}",
             st.gradientMedian, 100 * st.gradientShare, clamp);
         throw Error(Kind::BadInput, "psi is not a distance: " + seen + where(s),
-                    clamp.empty() ? remedy : kClampRemedy);
+                    clamp.empty() ? remedy : std::string(kClampRemedy) + "; " + remedy);
     }
     if (st.gradientShare < 0.95)
         s.warnings.push_back(

@@ -218,10 +218,14 @@ bool JetMarch::mayGoRound(NodeIndex i, const JetRows::Row& row, const JetGroup::
     return core_.band.foot.empty() && knowsCrease(row);
 }
 
-bool JetMarch::isMisplaced(NodeIndex i, const JetRows::Row& row,
-                           const JetGroup::Solution& s) const {
-    constexpr float kOff = 0.05f, kOffFacets = 0.002f;  // voxels
+bool JetMarch::isMisplaced(NodeIndex i, const JetRows::Row& row, const JetGroup::Solution& s,
+                           bool overCrease) const {
+    constexpr float kOff = 0.05f, kOffFacets = 0.002f, kOffStretched = 0.25f;  // voxels
     if (!core_.band.triangles || !core_.isEven()) return false;
+    // The fallback takes stretched links for what they are, as long as a walk.
+    if (!overCrease && (s.usedFallback || !(core_.nodes[i].facing & Band::kStretched)))
+        return false;
+    const float most = !overCrease ? kOffStretched : core_.band.faceted ? kOffFacets : kOff;
     const std::array<std::uint8_t, 2> ends = s.usedFallback ? s.ends : nextToRay(row, s.g);
     if (!s.usedFallback && ends[0] == ends[1]) return false;
     const JetLink &p = row.knownLink(ends[0]), &q = row.knownLink(ends[1]);
@@ -231,7 +235,7 @@ bool JetMarch::isMisplaced(NodeIndex i, const JetRows::Row& row,
         const Vec3f chord = a.foot - b.foot - Vec3f(core_.voxelOf(b) - core_.voxelOf(a));
         const Vec2f along = TangentFrame(a.normal, core_.band.faceted)
                                 .unfold(chord, b.normal, dot(a.normal, b.normal));
-        return std::abs(laid - length(along)) > (core_.band.faceted ? kOffFacets : kOff);
+        return std::abs(laid - length(along)) > most;
     };
     return isOff(i, p.node(), length(p.a())) ||
            (ends[0] != ends[1] && (isOff(i, q.node(), length(q.a())) ||
@@ -453,9 +457,7 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
         if (const JetRows::Row& row = group.rows.of[lane]; mayGoRound(i, row, s))
             s = overTwoLinks(i, row, batch, s);
         if (const JetRows::Row& row = group.rows.of[lane];
-            (group.overCrease[lane] ||
-             (core_.nodes[i].facing & Band::kStretched && !s.usedFallback)) &&
-            isMisplaced(i, row, s))
+            isMisplaced(i, row, s, group.overCrease[lane]))
             s = solveByWalks(i, row, s);
         if (!isotropic_) s.g = core_.stretch[i].covectorBack(s.g);
         settle(lane, group, {s.u * group.weight[lane], s.g, s.source, s.usedFallback, s.frontsMeet},

@@ -145,9 +145,10 @@ private:
                                     JetGroup::Solution s) const;
     /// Whether the chart of a node of a mesh misplaces the neighbors from which its value comes: a
     /// link or the segment between them is not as long in the chart as over the planes of its ends.
-    /// No plane holds all faces that meet beside the node. A fit may agree with a fallback that is
-    /// as wrong as itself.
-    bool isMisplaced(NodeIndex i, const JetRows::Row& row, const JetGroup::Solution& s) const;
+    /// No plane holds all faces that meet beside the node, nor does one a fold within a voxel. A
+    /// fit may agree with a fallback that is as wrong as itself.
+    bool isMisplaced(NodeIndex i, const JetRows::Row& row, const JetGroup::Solution& s,
+                     bool overCrease) const;
     /// The neighbors on the two sides of a ray to a node that are nearest to it; equal: on one side
     /// there is none behind the node.
     static std::array<std::uint8_t, 2> nextToRay(const JetRows::Row& row, Vec2f g);
