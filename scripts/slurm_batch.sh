@@ -20,8 +20,9 @@ case ${1:-} in
             --shard "$SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT"
         ;;
     --merge)
-        name=$(basename "$2")
-        summary=$(dirname "$2")/${name%.*}.summary
+        # A dot that begins a name begins no ending.
+        name=$(basename "$2") stem=${name%.*}
+        summary=$(dirname "$2")/${stem:-$name}.summary
         parts=()
         for ((k = 1; k <= $3; ++k)); do
             parts+=("$summary-$k-of-$3.json")
