@@ -385,6 +385,8 @@ class Batch(TempWorkspace):
         said = self.program("batch", "jobs.csv", "--dry-run").stdout
         self.assertIn("--extend --output=near.vdb", said)
         self.assertIn("--output=far.vdb --sdf=torus.vdb --seed=-1.4,0,0", said)
+        shutil.copy(table, self.folder / "MORE.CSV")
+        self.assertEqual(self.program("batch", "MORE.CSV", "--dry-run").stdout, said)
         self.write({"version": 2, "defaults": {"max-distance": 0.5}, "jobs": "jobs.csv"})
         self.batch()
         for text, words in (("mesh,seed\na.obj,+x\n", "no column 'name'"),
@@ -470,6 +472,9 @@ class Batch(TempWorkspace):
                             (("--view", "s.html", "--summary", "s.html"), one_place),
                             (("--view", "s.html", "--log", "s.html"), one_place),
                             (("--summary", "nowhere/s.json"), "there is no folder 'nowhere'"),
+                            (("--summary", "-"), "-: a batch writes no file to stdout"),
+                            (("--log", "-"), "-: a batch writes no file to stdout"),
+                            (("--view", "-"), "-: a batch writes no file to stdout"),
                             (("--view", "s.json"), "the ending is none of .html")):
             for more in ((), ("--dry-run",)):
                 self.refused(manifest, USAGE, f"{words[0]} ", says, words=(*words, *more))
@@ -640,7 +645,8 @@ class Batch(TempWorkspace):
 class SlurmNames(unittest.TestCase):
     def test_merge_names_summaries_beside_the_manifest(self):
         for manifest, stem in (("dir.d/jobs", "dir.d/jobs"), ("dir.d/jobs.json", "dir.d/jobs"),
-                               ("/a.b/c.d/jobs.v2.json", "/a.b/c.d/jobs.v2")):
+                               ("/a.b/c.d/jobs.v2.json", "/a.b/c.d/jobs.v2"),
+                               ("a/.hidden", "a/.hidden"), ("a/.hidden.json", "a/.hidden")):
             said = subprocess.run(["bash", ROOT / "scripts/slurm_batch.sh", "--merge", manifest, "2"], text=True,
                                   capture_output=True, check=True, env={**os.environ, "IMPLICIT_GEODESIC": "echo"})
             self.assertEqual(said.stdout.split(), [

@@ -3,12 +3,14 @@
 #include <igeo/base/detail/text.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <map>
 #include <set>
 #include <utility>
 
 #include "batch/job_table.h"
+#include "file_ending.h"
 #include "json_file.h"
 #include "options/options.h"
 #include "output/output_files.h"
@@ -200,7 +202,9 @@ void addJobsOfFiles(const Json& patterns, const Values& defaults, const std::str
 
 /// A JSON document with jobs, or the rows of a table as one.
 Json manifestOf(const std::string& file) {
-    if (fs::path(file).extension() != ".csv") return readJson(file);
+    std::string ending = endingOf(file);
+    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+    if (ending != ".csv") return readJson(file);
     return {{"version", 2}, {"jobs", jobsOfTable(file)}};
 }
 

@@ -1,5 +1,8 @@
 #include "options/batch_options.h"
 
+#include <string>
+#include <utility>
+
 #include "options/command.h"
 
 Command batchCommand(BatchOptions& o) {
@@ -45,6 +48,11 @@ Command batchCommand(BatchOptions& o) {
     command.check = [&o] {
         if (o.manifest.empty())
             usageError("no manifest is given", "name a file of jobs; see docs/formats.md");
+        for (const auto& [option, file] :
+             {std::pair("--summary", &o.summary), {"--log", &o.log}, {"--view", &o.view}})
+            if (*file == "-")
+                usageError(std::string(option) + " -: a batch writes no file to stdout",
+                           "give a file");
     };
     return command;
 }
