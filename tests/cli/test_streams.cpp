@@ -157,6 +157,30 @@ TEST_CASE("a target that a limit left out is reported as such") {
     CHECK(desk.files().size() == 3);
 }
 
+TEST_CASE("what lies beyond --max-distance is not said to be cut off") {
+    const Sphere desk;  // the pole opposite is pi away
+    for (const std::string limit : {"2", "2.9", "3.1"}) {
+        INFO(limit);
+        const Result near =
+            desk.run("--sdf in.vdb --seed 0,0,1 -o out.vdb --max-distance " + limit);
+        CHECK_THAT(near.err,
+                   contains("around the seeds; --max-distance " + limit + " leaves out the rest"));
+        CHECK_THAT(near.err, !contains("not reached"));
+    }
+    const Result two =
+        desk.run("--sdf in.vdb --seed 0,0,1 --seed 1,0,0 -o out.vdb --max-distance 2");
+    CHECK_THAT(two.err, contains("--max-distance 2 leaves out the rest"));
+    const Result all = desk.run("--sdf in.vdb --seed 0,0,1 -o out.vdb --max-distance 4");
+    CHECK_THAT(all.err, contains("on the whole surface"));
+}
+
+TEST_CASE("a limit beyond a whole piece is not said to cut off another") {
+    const TempWorkspace desk;
+    desk.make("in.vdb", "two-spheres");
+    const Result result = desk.run("--sdf in.vdb --seed 1.2,0,0 -o out.vdb --max-distance 9");
+    CHECK_THAT(result.err, contains("as no seed is on its components"));
+}
+
 TEST_CASE("stdin and pipes without an ending are refused where the ending tells the format") {
     const TempWorkspace desk;
     const TempDir elsewhere;

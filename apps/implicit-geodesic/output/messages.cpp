@@ -218,15 +218,19 @@ void warnOfResults(const igeo::GeodesicSolver& solver, const igeo::Distance& dis
 namespace {
 
 /// The range of the distances, and the share of the surface that they cover.
-std::string reachOf(const igeo::Distance& distance) {
+std::string reachOf(const RunReport& report, const igeo::Distance& distance) {
     const std::shared_ptr<const igeo::Field> marched = distance.marched();
     const igeo::Field& field = *marched;
     const igeo::Extent extent = distance.extent();
     const std::string most =
         fmt::format("distances up to {:.6g}", extent.maxDistance * distance.band().transform.dx);
     const std::size_t all = extent.nodes, lost = all - extent.reached;
-    if (field.stoppedEarly || !distance.ofWholeSurface()) return most + " around the seeds";
-    if (lost == 0) return most + " on the whole surface";
+    if (lost == 0 && distance.ofWholeSurface()) return most + " on the whole surface";
+    if (field.stoppedEarly || !distance.ofWholeSurface())
+        return most + " around the seeds" +
+               (report.maxDistance < igeo::kInfinity
+                    ? fmt::format("; --max-distance {:.6g} leaves out the rest", report.maxDistance)
+                    : "");
     return fmt::format("{}; {} of the surface is not reached, as {}", most,
                        igeo::percent(double(lost) / double(all)),
                        field.metric->obstacles ? "obstacles or gaps lie between it and the seeds"
@@ -246,7 +250,7 @@ int tell(const RunReport& report, const igeo::Distance& distance, const RunOptio
     const int paths = tellPaths(report, distance, console);
     tellWalks(report, console);
     const int pairs = std::max(tellPairs(report, console), tellVias(report, console));
-    if (o.hasSeeds()) console.info(reachOf(distance));
+    if (o.hasSeeds()) console.info(reachOf(report, distance));
     for (const auto& [name, file] : report.outputs)
         if (file != "/dev/null")
             console.file(

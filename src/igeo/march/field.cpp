@@ -33,7 +33,10 @@ void Field::summarize() {
         });
     };
     if (core)
-        summarizeAll([&](std::size_t k) { return core->marchedValueOf(NodeIndex(k)); });
+        summarizeAll([&](std::size_t k) {
+            const double d = core->marchedValueOf(NodeIndex(k));
+            return d <= limit ? d : kInfinity;
+        });
     else
         summarizeAll([&](std::size_t k) { return distance[k]; });
     source = sourcesOf(seeds);

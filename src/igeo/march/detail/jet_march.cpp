@@ -497,6 +497,15 @@ void JetMarch::collect(std::size_t chunkCount) {
     }
 }
 
+bool JetMarch::endsAtLimit() const {
+    constexpr double kBeside = 2;  // voxels: nodes of the band are so close to the core
+    if (!(jets_.limit < kInfinity)) return false;
+    const double last = jets_.limit - kBeside * heaviest_;
+    for (NodeIndex i = 0; i < jets_.state.size(); ++i)
+        if (const double d = jets_.marchedValueOf(i); d > last && d < kInfinity) return true;
+    return false;
+}
+
 Field JetMarch::take() {
     Field field;
     field.band = &core_.band;
@@ -506,7 +515,7 @@ Field JetMarch::take() {
     field.scheme = "jet";
     field.evenCosts = core_.isEven();
     field.startRadius = options_.startRadius;
-    field.stoppedEarly = stopped_ || options_.below;
+    field.stoppedEarly = stopped_ || options_.below || endsAtLimit();
     field.limit = jets_.limit;
     field.lines = jets_.seeds.lines;
     field.solved = accepted_;

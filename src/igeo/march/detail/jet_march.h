@@ -222,6 +222,8 @@ private:
     float boundedBelow(NodeIndex i, float u, std::uint32_t label) const;
     /// Whether a value at a core node is within JetOptions::below, or next to it.
     bool withinLimit(NodeIndex i, float u, const Batch& batch) const;
+    /// Whether the core has distances beyond the limit, or so near it that the band may.
+    bool endsAtLimit() const;
     /// @return  bucket kLastBucket for values beyond
     JetState stateOf(const Result& s, const Batch& batch) const;
     /// Puts the nodes that wait at the other ends of their links into the buckets of the values
