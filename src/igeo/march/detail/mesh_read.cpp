@@ -325,12 +325,13 @@ JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at,
             apart.push_back(&near);
         first = std::min(first, d);
     }
-    // Between the rim of a gap and the first nodes beside it no front is known on this side.
+    // Between the rim of a gap and the first nodes beside it no front is known on this side. Over a
+    // jump the planes of both sides are no continuation of one another.
     if (band.joints == 0) return jets;
     for (const Near* near : apart) {
         bool bridged = false;
         band.forBridges(near->node, [&](const Bridge& b) {
-            bridged |= std::find(joined.begin(), joined.end(), b.to) != joined.end();
+            bridged |= !b.jump && std::find(joined.begin(), joined.end(), b.to) != joined.end();
         });
         if (bridged) jets.addAcross(near->node, near->jet, field.metric->at(near->node));
     }

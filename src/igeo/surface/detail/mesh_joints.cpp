@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace igeo {
 
@@ -36,9 +37,59 @@ struct Side {
     }
 };
 
+/// The nearest points of two segments.
+std::pair<Vec3d, Vec3d> nearestOfSegments(const Vec3d& a, const Vec3d& b, const Vec3d& c,
+                                          const Vec3d& d) {
+    const Vec3d u = b - a, v = d - c, w = a - c;
+    const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), area2 = uu * vv - uv * uv;
+    auto onOther = [](const Vec3d& p, const Vec3d& from, const Vec3d& along, double square) {
+        return square > 0 ? std::clamp(dot(p - from, along) / square, 0.0, 1.0) : 0.0;
+    };
+    double s = area2 > 1e-12 * uu * vv
+                   ? std::clamp((uv * dot(v, w) - vv * dot(u, w)) / area2, 0.0, 1.0)
+                   : 0;
+    const double t = onOther(a + s * u, c, v, vv);
+    s = onOther(c + t * v, a, u, uu);
+    return {a + s * u, c + t * v};
+}
+
+/// A straight line from one side of a gap to the other.
+struct Crossing {
+    MeshPoint here, there;
+    double width = kInfinity;
+
+    Crossing() = default;
+    Crossing(const MeshPoint& a, const MeshPoint& b)
+        : here(a), there(b), width(length(b.at - a.at)) {}
+    Crossing back() const { return {there, here}; }
+};
+
+/// The shortest between two triangles that do not cross.
+Crossing shortestBetween(const MeshAdjacency& mesh, std::uint32_t t, std::uint32_t u) {
+    Crossing best;
+    auto take = [&](const Vec3d& a, const Vec3d& b) {
+        if (length(b - a) < best.width) best = {{t, a}, {u, b}};
+    };
+    auto nearest = [&](const Vec3d& p, std::uint32_t on) {
+        return nearestOnTriangle(p, mesh.corner(on, 0), mesh.corner(on, 1), mesh.corner(on, 2))
+            .point;
+    };
+    for (std::size_t k = 0; k < 3; ++k) {
+        take(mesh.corner(t, k), nearest(mesh.corner(t, k), u));
+        take(nearest(mesh.corner(u, k), t), mesh.corner(u, k));
+        for (std::size_t l = 0; l < 3; ++l) {
+            const auto [a, b] = nearestOfSegments(mesh.corner(t, k), mesh.corner(t, k + 1),
+                                                  mesh.corner(u, l), mesh.corner(u, l + 1));
+            take(a, b);
+        }
+    }
+    return best;
+}
+
 class Joints {
 public:
-    Joints(const MeshBand& on, double gap) : on_(on), gap_(gap), reach_(gap + kBeside) {}
+    Joints(const MeshBand& on, double gap)
+        : on_(on), walk_(on.adjacency), gap_(gap), reach_(gap + kBeside) {}
     MeshJoints find(Progress& progress);
 
 private:
@@ -51,15 +102,21 @@ private:
     /// The point of the mesh nearest to p, down over triangles from a point on: not beyond a wall
     /// or a slot.
     MeshPoint nearestAround(const Vec3d& p, MeshPoint on) const;
-    /// The gap between two sides, around two of their nodes.
-    double gapBetween(NodeIndex i, NodeIndex j) const;
-    void add(NodeIndex i, NodeIndex j) {
-        // Where normals differ too much a jet cannot be transported: the front starts again.
-        const bool jump = dot(on_.band.normal[i], on_.band.normal[j]) < 0.5f;
-        bridges_.push_back({i, j, 1, jump});
-    }
+    /// The crossing beside `from` to the side of `to`; if it is wider than the gap may be, the
+    /// narrowest around, or one that is narrow enough.
+    Crossing crossingFrom(const MeshPoint& from, const MeshPoint& to) const;
+    /// Down over pairs of triangles from a crossing on, until it is narrow enough.
+    Crossing narrowed(const Crossing& from) const;
+    /// The path from node i to node j on another side: along the mesh to the gap, straight across,
+    /// and along the mesh. +infinity: the gap between is too wide.
+    double pathBetween(NodeIndex i, NodeIndex j);
+    /// Along the mesh, or straight if no walk is found.
+    double along(const MeshPoint& from, const MeshPoint& to);
+    /// @return whether the gap between the nodes is narrow enough
+    bool add(NodeIndex i, NodeIndex j);
 
     const MeshBand& on_;
+    MeshWalk walk_;
     const double gap_, reach_;
     std::vector<Bridge> bridges_;
 };
@@ -84,11 +141,79 @@ MeshPoint Joints::nearestAround(const Vec3d& p, MeshPoint on) const {
     return on;
 }
 
-double Joints::gapBetween(NodeIndex i, NodeIndex j) const {
-    // Alternating projections between the sides, from the foot points to their rims.
-    const MeshPoint there = nearestAround(on_.foot(i).at, on_.foot(j)),
-                    here = nearestAround(there.at, on_.foot(i));
-    return length(nearestAround(here.at, there).at - here.at);
+Crossing Joints::narrowed(const Crossing& from) const {
+    constexpr double kSame = 1e-9;          // voxels: the next triangle at an edge or a corner
+    constexpr std::size_t kMost = 1 << 10;  // pairs
+    using TwoTriangles = std::pair<std::uint32_t, std::uint32_t>;
+    const MeshAdjacency& mesh = on_.adjacency;
+    Crossing best;
+    std::vector<TwoTriangles> seen{{from.here.triangle, from.there.triangle}};
+    auto add = [&](const TwoTriangles& pair) {
+        if (std::find(seen.begin(), seen.end(), pair) == seen.end()) seen.push_back(pair);
+    };
+    for (std::size_t n = 0; n < std::min(seen.size(), kMost) && best.width > gap_; ++n) {
+        const auto [t, u] = seen[n];
+        const Crossing c = shortestBetween(mesh, t, u);
+        // Between parallel faces all are as short.
+        const bool shorter = c.width < best.width - kSame,
+                   same = c.width < best.width + kSame &&
+                          length(c.here.at - best.here.at) < kSame &&
+                          length(c.there.at - best.there.at) < kSame;
+        if (!shorter && !same) continue;
+        if (shorter) best = c;
+        for (std::size_t k = 0; k < 3; ++k) {
+            mesh.forBeyond(t, k, [&, u = u](std::uint32_t other) { add({other, u}); });
+            mesh.forBeyond(u, k, [&, t = t](std::uint32_t other) { add({t, other}); });
+        }
+    }
+    return best;
+}
+
+Crossing Joints::crossingFrom(const MeshPoint& from, const MeshPoint& to) const {
+    // Alternating projections end at once where faces or rims are parallel.
+    const MeshPoint there = nearestAround(from.at, to), here = nearestAround(there.at, from);
+    const Crossing beside(here, nearestAround(here.at, there));
+    return beside.width > gap_ ? narrowed(beside) : beside;
+}
+
+double Joints::along(const MeshPoint& from, const MeshPoint& to) {
+    constexpr double kNone = 1e-6, kMost = 3;  // voxels; times the straight line
+    const double straight = length(to.at - from.at);
+    if (straight < kNone) return straight;
+    const double walk = walk_.tightLength(from, to, kMost * (straight + kBeside));
+    return walk < kInfinity ? walk : straight;
+}
+
+double Joints::pathBetween(NodeIndex i, NodeIndex j) {
+    const MeshPoint from = on_.foot(i), to = on_.foot(j);
+    const Crossing first = crossingFrom(from, to), last = crossingFrom(to, from).back();
+    if (std::max(first.width, last.width) > gap_) return kInfinity;
+    // The gap and what is beyond it are laid flat: the crossings are at right angles to its sides.
+    const double straight = length(to.at - from.at), before = along(from, first.here),
+                 after = along(last.there, to);
+    auto laidFlat = [](double across, double beyond, double slanted) {
+        return std::sqrt(across * across + 2 * across * beyond + slanted * slanted);
+    };
+    return std::max({straight, laidFlat(before + first.width, after, along(first.there, to)),
+                     laidFlat(after + last.width, before, along(from, last.here))});
+}
+
+bool Joints::add(NodeIndex i, NodeIndex j) {
+    const double path = pathBetween(i, j);
+    if (!(path < kInfinity)) return false;
+    constexpr double kShort = 1e-3;                              // voxels: nothing to stretch
+    constexpr double kLonger = 1.05, kMore = 0.05, kRise = 0.3;  // times; voxels
+    const Band& band = on_.band;
+    const Vec3f &here = band.normal[i], &there = band.normal[j], chord = chordOf(band, i, j);
+    const double flat = flatLength(band, i, chord, j);
+    // Where normals differ too much, the path bends or goes up a step, a jet cannot be transported:
+    // the front starts again.
+    const double rise = std::abs(dot(chord, normalized(here + there)));
+    const bool jump =
+        dot(here, there) < 0.5f || path > kLonger * flat + kMore || rise > std::max(gap_, kRise);
+    const double straight = jump ? double(length(chord)) : flat;
+    bridges_.push_back({i, j, straight > kShort ? float(path / straight) : 1, jump});
+    return true;
 }
 
 void Joints::join(const Side& from, const Side& to) {
@@ -97,7 +222,7 @@ void Joints::join(const Side& from, const Side& to) {
         to.tree.nearest(on_.foot(i).at, kNearest, found, reach_);
         for (const PointTree::Found& f : found) {
             const NodeIndex j = to.nodes[to.tree.inputIndex(f.point)];
-            if (gapBetween(i, j) <= gap_) add(i, j);
+            add(i, j);
         }
     }
 }
@@ -105,7 +230,6 @@ void Joints::join(const Side& from, const Side& to) {
 void Joints::joinRims(const Side& rims, Progress& progress) {
     constexpr std::size_t kMost = 64;
     std::vector<PointTree::Found> found;
-    MeshWalk walk(on_.adjacency);
     for (const NodeIndex i : rims.nodes) {
         progress.throwIfCancelled();
         const MeshPoint from = on_.foot(i);
@@ -113,11 +237,7 @@ void Joints::joinRims(const Side& rims, Progress& progress) {
         for (const PointTree::Found& f : found) {
             const NodeIndex j = rims.nodes[rims.tree.inputIndex(f.point)];
             const double most = 3 * (std::sqrt(f.squared) + kBeside);
-            if (j == i || walk.length(from, on_.foot(j), most) < kInfinity ||
-                gapBetween(i, j) > gap_)
-                continue;
-            add(i, j);
-            break;
+            if (j != i && !(walk_.length(from, on_.foot(j), most) < kInfinity) && add(i, j)) break;
         }
     }
 }
