@@ -306,12 +306,17 @@ std::vector<std::string> unresolvedWarnings(const Unresolved& unresolved) {
         warn(unresolved.facing, kFacing,
              "sheets face each other within two voxels on {} of the surface: distances are "
              "less accurate there; info gives the voxel size that separates them");
-    if (const int difference = unresolved.eulerDifference.value_or(0))
+    if (const int difference = unresolved.eulerDifference.value_or(0)) {
+        const double facing = unresolved.facing.value_or(0);
         warnings.push_back(fmt::format(
             "the voxels show tunnels or gaps otherwise than the mesh has them (Euler "
-            "characteristic off by {}): they are about as narrow as voxels, and distances through "
-            "them are off by parts of a voxel; take smaller voxels",
-            std::abs(difference)));
+            "characteristic off by {}): they are about as narrow as voxels{}, and distances "
+            "through them are off by parts of a voxel; take smaller voxels",
+            std::abs(difference),
+            facing > 0 ? ", as is " + percent(facing) +
+                             " of the surface, where sheets face each other within two"
+                       : ""));
+    }
     return warnings;
 }
 

@@ -1,4 +1,5 @@
 // What the voxels do not show: said with its share, and not where they do.
+#include <igeo/base/detail/text.h>
 #include <igeo/geodesic_solver.h>
 #include <igeo/surface/level_set_band.h>
 #include <igeo/surface/mesh_band.h>
@@ -208,7 +209,9 @@ TEST_CASE(
     for (const double width : {0.2, 0.4}) {
         const Unresolved u = onVoxels(turnedMesh(plateWithTunnel(width)), 1);
         CHECK(*u.eulerDifference != 0);
+        CHECK(*u.facing > 0);
         CHECK(warns(u, "tunnels or gaps"));
+        CHECK(warns(u, "as narrow as voxels, as is " + percent(*u.facing) + " of the surface"));
     }
     // A side along a diagonal of the lattice: voxels beside it are as deep as the band is.
     TriangleMesh diagonal;
