@@ -106,8 +106,8 @@ std::size_t JetsByWalks::faceOf(const Vec3d& up) {
     return face;
 }
 
-void JetsByWalks::addAcross(NodeIndex node, const NodeJet& jet, double weight) {
-    constexpr float kAlike = -0.2f;
+void JetsByWalks::addAcross(NodeIndex node, const NodeJet& jet, double weight, bool isJump) {
+    constexpr float kAlike = -0.2f, kStep = 0.3f;  // voxels
     const Vec3d up = triangles_.normal(at_.triangle);
     if (up == Vec3d{}) return;
     const std::size_t face = faceOf(up);
@@ -116,8 +116,11 @@ void JetsByWalks::addAcross(NodeIndex node, const NodeJet& jet, double weight) {
     const float cosine = dot(frame.normal(), normal);
     if (cosine < kAlike) return;
     const float mean = float((1 + weight / here_) / 2);
-    const Vec3d foot = band_.footPoint(node);
-    const Vec2f a = frame.unfold(Vec3f(at_.at - foot), normal, cosine),
+    const Vec3f chord(at_.at - band_.footPoint(node));
+    // Up a step the planes do not meet between the two: one end is above both, the other below.
+    const float rise = dot(chord, normal), climb = dot(chord, frame.normal());
+    if (isJump && rise * climb > 0 && std::min(std::abs(rise), std::abs(climb)) > kStep) return;
+    const Vec2f a = frame.unfold(chord, normal, cosine),
                 g = frame.flat(
                     Vec3f(turned(Vec3d(jet.gradient), Vec3d(normal), faceNormal_[face])));
     if (!(length(g) > 0)) return;
@@ -325,15 +328,15 @@ JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at,
             apart.push_back(&near);
         first = std::min(first, d);
     }
-    // Between the rim of a gap and the first nodes beside it no front is known on this side. Over a
-    // jump the planes of both sides are no continuation of one another.
+    // Between the rim of a gap and the first nodes beside it no front is known on this side.
     if (band.joints == 0) return jets;
     for (const Near* near : apart) {
-        bool bridged = false;
+        bool bridged = false, isJump = true;
         band.forBridges(near->node, [&](const Bridge& b) {
-            bridged |= !b.jump && std::find(joined.begin(), joined.end(), b.to) != joined.end();
+            if (std::find(joined.begin(), joined.end(), b.to) == joined.end()) return;
+            bridged = true, isJump &= b.jump;
         });
-        if (bridged) jets.addAcross(near->node, near->jet, field.metric->at(near->node));
+        if (bridged) jets.addAcross(near->node, near->jet, field.metric->at(near->node), isJump);
     }
     return jets;
 }

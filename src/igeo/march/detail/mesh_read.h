@@ -55,7 +55,8 @@ public:
 
     /// The same across a gap that a bridge joins, to a point at its rim: over both planes,
     /// unfolded.
-    void addAcross(NodeIndex node, const NodeJet& jet, double weight);
+    /// @param isJump  all such bridges are jumps
+    void addAcross(NodeIndex node, const NodeJet& jet, double weight, bool isJump);
 
     struct First {
         double distance = kInfinity;

@@ -102,7 +102,9 @@ private:
     /// The point of the mesh nearest to p, down over triangles from a point on: not beyond a wall
     /// or a slot.
     MeshPoint nearestAround(const Vec3d& p, MeshPoint on) const;
-    /// The crossing beside `from` to the side of `to`; if it is wider than the gap may be, the
+    /// The crossing beside `from` to the side of `to`.
+    Crossing beside(const MeshPoint& from, const MeshPoint& to) const;
+    /// The same; if it is wider than the gap may be, the
     /// narrowest around, or one that is narrow enough.
     Crossing crossingFrom(const MeshPoint& from, const MeshPoint& to) const;
     /// Down over pairs of triangles from a crossing on, until it is narrow enough.
@@ -169,11 +171,15 @@ Crossing Joints::narrowed(const Crossing& from) const {
     return best;
 }
 
-Crossing Joints::crossingFrom(const MeshPoint& from, const MeshPoint& to) const {
+Crossing Joints::beside(const MeshPoint& from, const MeshPoint& to) const {
     // Alternating projections end at once where faces or rims are parallel.
     const MeshPoint there = nearestAround(from.at, to), here = nearestAround(there.at, from);
-    const Crossing beside(here, nearestAround(here.at, there));
-    return beside.width > gap_ ? narrowed(beside) : beside;
+    return {here, nearestAround(here.at, there)};
+}
+
+Crossing Joints::crossingFrom(const MeshPoint& from, const MeshPoint& to) const {
+    const Crossing first = beside(from, to);
+    return first.width > gap_ ? narrowed(first) : first;
 }
 
 double Joints::along(const MeshPoint& from, const MeshPoint& to) {
@@ -199,18 +205,25 @@ double Joints::pathBetween(NodeIndex i, NodeIndex j) {
 }
 
 bool Joints::add(NodeIndex i, NodeIndex j) {
+    const Band& band = on_.band;
+    const Vec3f &here = band.normal[i], &there = band.normal[j], chord = chordOf(band, i, j);
+    const MeshPoint from = on_.foot(i), to = on_.foot(j);
+    // Where normals differ too much, the path bends or goes up a step, a jet cannot be transported:
+    // the front starts again.
+    const bool differ = dot(here, there) < 0.5f;
+    if (on_.adjacency.componentOf(from.triangle) == on_.adjacency.componentOf(to.triangle)) {
+        // Rims of one component have few nodes, so that straight lines are the better lengths.
+        if (beside(from, to).width > gap_) return false;
+        bridges_.push_back({i, j, 1, differ});
+        return true;
+    }
     const double path = pathBetween(i, j);
     if (!(path < kInfinity)) return false;
     constexpr double kShort = 1e-3;                              // voxels: nothing to stretch
     constexpr double kLonger = 1.05, kMore = 0.05, kRise = 0.3;  // times; voxels
-    const Band& band = on_.band;
-    const Vec3f &here = band.normal[i], &there = band.normal[j], chord = chordOf(band, i, j);
-    const double flat = flatLength(band, i, chord, j);
-    // Where normals differ too much, the path bends or goes up a step, a jet cannot be transported:
-    // the front starts again.
-    const double rise = std::abs(dot(chord, normalized(here + there)));
-    const bool jump =
-        dot(here, there) < 0.5f || path > kLonger * flat + kMore || rise > std::max(gap_, kRise);
+    const double flat = flatLength(band, i, chord, j),
+                 rise = std::abs(dot(chord, normalized(here + there)));
+    const bool jump = differ || path > kLonger * flat + kMore || rise > std::max(gap_, kRise);
     const double straight = jump ? double(length(chord)) : flat;
     bridges_.push_back({i, j, straight > kShort ? float(path / straight) : 1, jump});
     return true;
