@@ -16,8 +16,8 @@ struct MeshJoints {
 
 /// Bridges over gaps up to `gap` voxels between components, and between two boundaries of one: from
 /// every core node that close to another component, to its nearest nodes there. Between
-/// components they are as long as the path along the mesh to the gap, straight across, and along the
-/// mesh.
+/// components they are as long as the path along the mesh to the gap, straight across, and along
+/// the mesh.
 /// @throws Error  Cancelled through `progress`
 /// Time O(n log n).
 MeshJoints jointsOverGaps(const MeshBand& on, double gap, Progress& progress);
