@@ -177,7 +177,7 @@ TEST_CASE("unresolved: the faces of sharp edges face no other sheet") {
             const Unresolved u = onVoxels(mesh, 1), made = unresolved(converted(mesh));
             std::printf("edges of %.1f degrees, %g voxels: facing on %.3g %%, thin on %.3g %%\n",
                         angle, voxels, 100 * *u.facing, 100 * *made.thin);
-            CHECK_FALSE(warns(u, "sheets face each other"));
+            CHECK_FALSE(warns(u, "sheets face each other within two voxels on"));
             CHECK_FALSE(warns(made, "thinner than"));
         }
     // A gap between blocks, and the slot of a fold.

@@ -37,7 +37,9 @@ std::string_view withoutByteOrderMark(std::string_view text) {
 }
 
 std::string_view cutLine(std::string_view& text) {
-    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
+    // find_first_of would call a function for every byte.
+    const auto endsLine = [](char c) { return c == '\n' || c == '\r'; };
+    const auto end = std::size_t(std::find_if(text.begin(), text.end(), endsLine) - text.begin());
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + (text.substr(end).starts_with("\r\n") ? 2 : 1), text.size()));
     return line;

@@ -17,8 +17,8 @@ public:
     IGEO_INLINE explicit FrontLanes(std::size_t first) : first_(first) {}
 
     IGEO_INLINE void find(const Arrivals& arrivals, ArrivingFronts& fronts) const {
-        constexpr float kApart = 0.992f;  // 7 degrees
-        constexpr float kLater = 0.2f;    // voxels
+        constexpr float kApart = 0.98f;  // 11 degrees
+        constexpr float kLater = 0.2f;   // voxels
         const V none = V{} + JetFronts::kNoValue;
         V earliest = none, x[ArrivingFronts::kMax], y[ArrivingFronts::kMax];
         Integers count{}, more = ~Integers{};

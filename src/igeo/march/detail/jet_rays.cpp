@@ -9,7 +9,7 @@ namespace igeo {
 
 namespace {
 
-constexpr int kSteps = 4;
+constexpr int kSteps = 3;
 constexpr float kStep = MeetingPoint::kLength / kSteps, kLength = MeetingPoint::kLength;
 
 Vec2f rotated(Vec2f v, float angle) {
@@ -36,15 +36,12 @@ struct RaySearch {
     /// Takes what a ray found, and turns the next one.
     /// @param curvature  of the front at its end
     void take(double value, float angle, float curvature) {
-        constexpr int kMostRays = 6;
-        constexpr float kGain = 3e-4f, kSureGain = 4e-3f, kFlat = 0.02f, kMostTurn = 0.7f,
-                        kTurnBetween = 0.1f;
+        constexpr int kMostRays = 4;
+        constexpr float kGain = 3e-4f, kSureGain = 4e-3f, kFlat = 0.02f, kMostTurn = 0.7f;
         const bool isFirst = ++rays == 1;
         const float slope = isFirst ? -1 - kLength * curvature : (angle - off) / turn,
                     least = isFirst ? 1 : kFlat;
-        // Between two fronts the angle grows as the ray turns to either of them.
-        const float most = !isFirst && slope > kFlat ? kTurnBetween : kMostTurn;
-        const float next = std::clamp(angle / std::max(-slope, least), -most, most);
+        const float next = std::clamp(angle / std::max(-slope, least), -kMostTurn, kMostTurn);
         const Vec2f corrected = rotated(direction, next);
         // Twice what the next ray will gain, which is known where the front spreads.
         const float gain = kLength * angle * next;

@@ -35,16 +35,16 @@ struct MeetingPoint {
 
     /// Voxels: of a ray, and how near to a seed a neighbor of the point may be, as rays keep away
     /// from it.
-    static constexpr float kLength = 8, kNearSeed = kLength + 5;
+    static constexpr float kLength = 6, kNearSeed = kLength + 5;
     /// Takes the directions of the neighbors whose plane fronts arrive first; none near a seed.
     /// @param neighbors  in the chart, of one source
     void findFronts(std::span<const JetNeighbor> neighbors);
 };
 
 /// The first arrival at each of the points, relative to the least start; none where S is creased or
-/// ends within 8 voxels, within 13 voxels of a seed, and where the value is 0.25 voxels from that
+/// ends within 6 voxels, within 11 voxels of a seed, and where the value is 0.25 voxels from that
 /// before.
-/// The same bits whatever other points there are. Time: some 0.5 microseconds per ray, two to six
+/// The same bits whatever other points there are. Time: some 0.5 microseconds per ray, two to four
 /// for each front.
 std::vector<std::optional<Solved>> solveByRays(const CoreJets& jets,
                                                std::span<const MeetingPoint> points);
