@@ -2,7 +2,7 @@
 #include <igeo/results/lost_points.h>
 
 #include <algorithm>
-#include <atomic>
+#include <mutex>
 #include <optional>
 
 #include "arrays.h"
@@ -64,7 +64,8 @@ py::tuple distances(const GeodesicSolver& solver, const std::vector<Seeds>& all,
         std::optional<igeo::VertexReader> vertices;
         if (!at)
             vertices.emplace(igeo::requireMesh(solver.surface()), solver.surface().transform());
-        std::atomic<std::size_t> done{0};
+        std::mutex counting;  // so that shares are told in order
+        std::size_t done = 0;
         igeo::parallelFor(all.size(), 1, p, [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k) {
                 const igeo::Distance found = solver.distance(all[k], limits, quiet);
@@ -79,6 +80,7 @@ py::tuple distances(const GeodesicSolver& solver, const std::vector<Seeds>& all,
                 }
                 if (k == 0) warnings = igeo::marchWarnings(found);
                 seeds[k] = found.seeds();
+                const std::lock_guard<std::mutex> lock(counting);
                 p.update("rows", double(++done) / double(all.size()));
             }
         });
