@@ -64,7 +64,7 @@ py::tuple distances(const GeodesicSolver& solver, const std::vector<Seeds>& all,
         std::optional<igeo::VertexReader> vertices;
         if (!at)
             vertices.emplace(igeo::requireMesh(solver.surface()), solver.surface().transform());
-        std::mutex counting;  // so that shares are told in order
+        std::mutex counting;  // shares are reported in order
         std::size_t done = 0;
         igeo::parallelFor(all.size(), 1, p, [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k) {
