@@ -83,10 +83,6 @@ private:
     std::size_t count_ = 0;
 };
 
-}  // namespace
-
-namespace {
-
 /// Whether a sheet nearly parallel to that of node i is within two voxels along an axis.
 bool hasParallel(const Band& band, NodeIndex i) {
     for (int face = 0; face < 6; ++face)

@@ -104,8 +104,8 @@ private:
     MeshPoint nearestAround(const Vec3d& p, MeshPoint on) const;
     /// The crossing beside `from` to the side of `to`.
     Crossing beside(const MeshPoint& from, const MeshPoint& to) const;
-    /// The same; if it is wider than the gap may be, the
-    /// narrowest around, or one that is narrow enough.
+    /// The same; if it is wider than the gap may be, the narrowest around, or one that is narrow
+    /// enough.
     Crossing crossingFrom(const MeshPoint& from, const MeshPoint& to) const;
     /// Down over pairs of triangles from a crossing on, until it is narrow enough.
     Crossing narrowed(const Crossing& from) const;

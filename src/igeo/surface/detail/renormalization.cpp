@@ -356,10 +356,6 @@ private:
     std::vector<std::vector<LoweredVoxel>> lowered_;  ///< by leaf
 };
 
-}  // namespace
-
-namespace {
-
 constexpr std::size_t kEnoughValues = 16;
 
 /// Whether values are as a distance that was computed in single precision: roots less a radius,
