@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/base/detail/box.h>
+#include <igeo/base/detail/single.h>
 #include <igeo/io/vtp_file.h>
 #include <igeo/results/detail/glb.h>
 #include <igeo/results/detail/ply_writer.h>
@@ -37,7 +38,7 @@ Vec3d placeOf(const std::vector<Vec3d>& positions, double noticed) {
     const auto position = [&](std::size_t v) { return positions[v]; };
     if (isSingle(positions.size(), position, noticed)) return {};
     const Box box(positions);
-    return Vec3d(Vec3f(0.5 * (box.low + box.high)));
+    return inSingle(0.5 * (box.low + box.high));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/base/detail/numbers.h>
+#include <igeo/base/detail/single.h>
 #include <igeo/base/error.h>
 #include <igeo/io/detail/file_bytes.h>
 
@@ -176,7 +177,7 @@ std::vector<Vec3d> readTextStlCorners(const std::string& file, const std::string
             } else if (word == "outer") {
                 isNormal = false;
             } else if (word == "vertex") {
-                corners.push_back(Vec3d(Vec3f(lines.position())));
+                corners.push_back(inSingle(lines.position()));
             } else if (word == "endfacet" && corners.size() % 3 != 0) {
                 lines.fail("a facet has other than three vertices");
             } else if (!isNormal && word != "loop" && word != "endloop" && word != "endfacet") {

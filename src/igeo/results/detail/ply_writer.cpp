@@ -1,6 +1,7 @@
 #include <igeo/results/detail/ply_writer.h>
 
 #include <fmt/core.h>
+#include <igeo/base/detail/single.h>
 #include <igeo/io/detail/little_endian.h>
 
 #include <algorithm>
@@ -47,7 +48,7 @@ bool isReached(double distance) { return distance < kInfinity; }
 bool isSingle(std::size_t points, const std::function<Vec3d(std::size_t)>& position,
               double noticed) {
     for (std::size_t v = 0; v < points; ++v) {
-        const Vec3d exact = position(v), off = Vec3d(Vec3f(exact)) - exact;
+        const Vec3d exact = position(v), off = inSingle(exact) - exact;
         for (int a = 0; a < 3; ++a)
             if (!(std::abs(off[a]) <= noticed)) return false;
     }
