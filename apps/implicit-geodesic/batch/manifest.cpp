@@ -3,7 +3,6 @@
 #include <igeo/base/detail/text.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -202,9 +201,7 @@ void addJobsOfFiles(const Json& patterns, const Values& defaults, const std::str
 
 /// A JSON document with jobs, or the rows of a table as one.
 Json manifestOf(const std::string& file) {
-    std::string ending = endingOf(file);
-    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
-    if (ending != ".csv") return readJson(file);
+    if (igeo::lowerCase(endingOf(file)) != ".csv") return readJson(file);
     return {{"version", 2}, {"jobs", jobsOfTable(file)}};
 }
 

@@ -1,6 +1,7 @@
 #include <igeo/io/point_cloud_file.h>
 
 #include <fmt/core.h>
+#include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 #include <igeo/io/detail/file_bytes.h>
 #include <igeo/io/detail/number_lines.h>
@@ -21,9 +22,7 @@ using Kind = Error::Kind;
 
 /// The ending in lower case, ".ply"; that of the file in FILE.vdb:GRID.
 std::string endingOf(const std::string& file) {
-    std::string name = std::filesystem::path(file).filename().string();
-    std::transform(name.begin(), name.end(), name.begin(),
-                   [](unsigned char c) { return char(std::tolower(c)); });
+    const std::string name = lowerCase(std::filesystem::path(file).filename().string());
     if (name.find(".vdb:") != std::string::npos) return ".vdb";
     const auto dot = name.rfind('.');
     return dot == std::string::npos ? "" : name.substr(dot);

@@ -1,10 +1,10 @@
 #include <igeo/io/detail/file_bytes.h>
 
 #include <igeo/base/detail/deflate.h>
+#include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -55,9 +55,7 @@ std::string inflatedFileBytes(const std::string& file) {
 }
 
 std::string endingBeforeGz(const std::string& file) {
-    std::string name = std::filesystem::path(file).filename().string();
-    std::transform(name.begin(), name.end(), name.begin(),
-                   [](unsigned char c) { return char(std::tolower(c)); });
+    std::string name = lowerCase(std::filesystem::path(file).filename().string());
     if (name.ends_with(".gz")) name.resize(name.size() - 3);
     const auto dot = name.rfind('.');
     return dot == std::string::npos ? "" : name.substr(dot);

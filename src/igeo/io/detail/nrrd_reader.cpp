@@ -2,12 +2,12 @@
 
 #include <fmt/core.h>
 #include <igeo/base/detail/numbers.h>
+#include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 #include <igeo/io/detail/file_bytes.h>
 #include <igeo/io/detail/voxel_values.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -27,11 +27,6 @@ std::string trimmed(std::string_view text) {
     const std::size_t begin = std::min(text.find_first_not_of(kHeaderBlank), text.size());
     const std::size_t end = text.find_last_not_of(kHeaderBlank) + 1;
     return std::string(text.substr(begin, std::max(begin, end) - begin));
-}
-
-std::string lowerCase(std::string text) {
-    for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
-    return text;
 }
 
 class NrrdHeader {

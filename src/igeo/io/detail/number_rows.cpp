@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/base/detail/numbers.h>
+#include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 #include <igeo/io/detail/file_bytes.h>
 #include <igeo/io/detail/number_lines.h>
@@ -58,8 +59,7 @@ std::string nameInHeader(std::string field) {
     const auto isName = [](unsigned char c) { return std::isalnum(c) != 0; };
     field.erase(std::find_if(field.rbegin(), field.rend(), isName).base(), field.end());
     field.erase(field.begin(), std::find_if(field.begin(), field.end(), isName));
-    for (char& c : field) c = char(std::tolower(static_cast<unsigned char>(c)));
-    return field;
+    return lowerCase(std::move(field));
 }
 
 }  // namespace

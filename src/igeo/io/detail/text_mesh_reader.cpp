@@ -3,13 +3,14 @@
 #include <fmt/core.h>
 #include <igeo/base/detail/numbers.h>
 #include <igeo/base/detail/single.h>
+#include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 #include <igeo/io/detail/file_bytes.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <string_view>
+#include <utility>
 
 namespace igeo {
 
@@ -165,7 +166,7 @@ std::vector<Vec3d> readTextStlCorners(const std::string& file, const std::string
     while (lines.next())
         for (std::string word(lines.word()); !word.empty(); word = lines.word()) {
             if (word[0] == '#') break;
-            for (char& c : word) c = char(std::tolower(static_cast<unsigned char>(c)));
+            word = lowerCase(std::move(word));
             if (word == "solid" || word == "endsolid") {
                 isStl = true;
                 isSolid = word == "solid";
