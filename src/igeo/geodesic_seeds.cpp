@@ -1,11 +1,10 @@
 #include <igeo/geodesic_solver.h>
 
 #include <fmt/core.h>
+#include <igeo/base/detail/steps.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/results/detail/column_name.h>
-
-#include <atomic>
 
 namespace igeo {
 
@@ -83,12 +82,12 @@ std::vector<VertexColumn> GeodesicSolver::atVertices(const std::vector<Seeds>& s
     names = distanceColumns(names);
     std::vector<VertexColumn> columns(seeds.size());
     CancelOnly quiet(progress);
-    std::atomic<std::size_t> done{0};
+    Steps steps(progress, "columns", seeds.size());
     parallelFor(seeds.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             columns[k] = {names[k],
                           reader.read(distance(seeds[k], each, quiet).field(), quiet).distance};
-            progress.update("columns", double(++done) / double(seeds.size()));
+            steps.add(1);
         }
     });
     return columns;

@@ -1,8 +1,8 @@
+#include <igeo/base/detail/steps.h>
 #include <igeo/base/parallel.h>
 #include <igeo/results/lost_points.h>
 
 #include <algorithm>
-#include <mutex>
 #include <optional>
 
 #include "arrays.h"
@@ -64,8 +64,7 @@ py::tuple distances(const GeodesicSolver& solver, const std::vector<Seeds>& all,
         std::optional<igeo::VertexReader> vertices;
         if (!at)
             vertices.emplace(igeo::requireMesh(solver.surface()), solver.surface().transform());
-        std::mutex counting;  // shares are reported in order
-        std::size_t done = 0;
+        igeo::Steps steps(p, "rows", all.size());
         igeo::parallelFor(all.size(), 1, p, [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k) {
                 const igeo::Distance found = solver.distance(all[k], limits, quiet);
@@ -80,8 +79,7 @@ py::tuple distances(const GeodesicSolver& solver, const std::vector<Seeds>& all,
                 }
                 if (k == 0) warnings = igeo::marchWarnings(found);
                 seeds[k] = found.seeds();
-                const std::lock_guard<std::mutex> lock(counting);
-                p.update("rows", double(++done) / double(all.size()));
+                steps.add(1);
             }
         });
         const double* const last = first + all.size() * columns;

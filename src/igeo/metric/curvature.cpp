@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/band/tangent_frame.h>
+#include <igeo/base/detail/steps.h>
 #include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -233,14 +233,12 @@ Bend CoreCurvature::solve(NodeIndex i, Walk& walk) const {
 }
 
 void CoreCurvature::compute(Progress& progress) {
-    std::atomic<std::size_t> done{0};
-    parallelFor(bend_.size(), 256, [&](std::size_t begin, std::size_t end) {
-        if (progress.cancelled()) return;
+    Steps steps(progress, "curvature", bend_.size());
+    parallelFor(bend_.size(), 256, progress, [&](std::size_t begin, std::size_t end) {
         Walk walk;
         for (std::size_t i = begin; i < end; ++i) bend_[i] = solve(NodeIndex(i), walk);
-        progress.update("curvature", double(done += end - begin) / double(bend_.size()));
+        steps.add(end - begin);
     });
-    progress.throwIfCancelled();
 }
 
 Bend CoreCurvature::extendTo(NodeIndex i, LeafIndex l, unsigned at) const {

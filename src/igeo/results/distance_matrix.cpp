@@ -1,6 +1,7 @@
 #include <igeo/results/distance_matrix.h>
 
 #include <fmt/core.h>
+#include <igeo/base/detail/steps.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/jet.h>
@@ -8,7 +9,6 @@
 #include <igeo/results/detail/npy.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstring>
 #include <iterator>
 #include <limits>
@@ -122,7 +122,7 @@ DistanceMatrix distanceRows(const Band& band, const MetricPtr& metric,
     const RowReader reader(band, to);
     const JetCorePtr core = jetCore(band, metric);
     CancelOnly quiet(progress);
-    std::atomic<std::size_t> done{0};
+    Steps steps(progress, "matrix", rows);
     parallelFor(rows, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             Group group = from[firstRow + k];
@@ -132,7 +132,7 @@ DistanceMatrix distanceRows(const Band& band, const MetricPtr& metric,
             reader.read(field, row);
             // Converted here, so that rows read back from files have the same bits.
             for (double& d : row) d *= band.transform.dx;
-            progress.update("matrix", double(++done) / double(rows));
+            steps.add(1);
         }
     });
     return m;

@@ -1,6 +1,7 @@
 #include <igeo/results/pair_distances.h>
 
 #include <fmt/core.h>
+#include <igeo/base/detail/steps.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/jet.h>
@@ -10,7 +11,6 @@
 #include <igeo/surface/level_set_band.h>
 
 #include <algorithm>
-#include <atomic>
 #include <limits>
 #include <map>
 #include <string>
@@ -185,19 +185,19 @@ void PairSolver::markSkippedPairs() {
 std::vector<SolvedPair> PairSolver::solve(Progress& progress) {
     const std::vector<Group> all = groups();
     std::vector<std::uint8_t> done(all.size(), 0);
-    std::atomic<std::size_t> count{0};
+    Steps steps(progress, "pairs", all.size());
     auto forAll = [&](const auto& solveGroup) {
         parallelFor(all.size(), 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t g = begin; g < end; ++g) {
                 if (done[g]) continue;
                 done[g] = solveGroup(all[g]);
-                if (done[g]) progress.update("pairs", double(++count) / double(all.size()));
+                if (done[g]) steps.add(1);
             }
         });
         progress.throwIfCancelled();
     };
     forAll([&](const Group& group) { return solveAround(group); });
-    if (count < all.size()) {
+    if (std::find(done.begin(), done.end(), 0) != done.end()) {
         const auto whole = surface_.band({}, quiet_);
         const MetricPtr metric = metricOn(*whole);
         const JetCorePtr core = jetCore(*whole, metric);

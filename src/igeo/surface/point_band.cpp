@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/base/detail/box.h>
+#include <igeo/base/detail/steps.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/surface/detail/edge_fans.h>
@@ -9,7 +10,6 @@
 #include <igeo/surface/medial_radii.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <tuple>
 
@@ -219,15 +219,13 @@ Band bandFromPoints(const PointSurface& surface, PointBandKind kind, double dx, 
     const std::vector<Ijk> origins = filler.candidates();
     std::vector<LeafPart> parts(origins.size());
     for (std::size_t l = 0; l < parts.size(); ++l) parts[l].leaf.origin = origins[l];
-    std::atomic<std::size_t> done{0};
-    parallelFor(parts.size(), 4, [&](std::size_t begin, std::size_t end) {
-        if (progress.cancelled()) return;
+    Steps steps(progress, "band", parts.size());
+    parallelFor(parts.size(), 4, progress, [&](std::size_t begin, std::size_t end) {
         PointsAround around(surface.points());
         Filler::Feet feet(512);
         for (std::size_t l = begin; l < end; ++l) filler.fill(parts[l], around, feet);
-        progress.update("band", double(done += end - begin) / double(parts.size()));
+        steps.add(end - begin);
     });
-    progress.throwIfCancelled();
     parts.erase(std::remove_if(parts.begin(), parts.end(),
                                [](const LeafPart& part) { return part.psi.empty(); }),
                 parts.end());

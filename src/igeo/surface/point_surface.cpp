@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/band/band.h>
+#include <igeo/base/detail/steps.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/base/symmetric_eigen.h>
@@ -219,10 +220,9 @@ double PointSurface::measureNoise(Progress& progress) {
     constexpr double kGrowth = 3;
     const std::size_t n = points_.size();
     std::array<std::vector<double>, 2> relative{std::vector<double>(n), std::vector<double>(n)};
-    std::atomic<std::size_t> done{0};
+    Steps steps(progress, "fitting points", n, 0, 0.5);
     const StackedSheets sheets(points_, spacing_, normals_);
-    parallelFor(n, 128, [&](std::size_t begin, std::size_t end) {
-        if (progress.cancelled()) return;
+    parallelFor(n, 128, progress, [&](std::size_t begin, std::size_t end) {
         std::vector<PointTree::Found> nearest;
         for (std::size_t i = begin; i < end; ++i) {
             points_.nearest(points_[i], 4 * kCount, nearest);
@@ -230,9 +230,8 @@ double PointSurface::measureNoise(Progress& progress) {
             for (std::size_t k = 0; k < 2; ++k)
                 relative[k][i] = squared(fitAt(i, kCount << k, nearest).scatter / spacing_[i]);
         }
-        progress.update("fitting points", double(done += end - begin) / double(n) / 2);
+        steps.add(end - begin);
     });
-    progress.throwIfCancelled();
     const double left = kGrowth * quantile(relative[0], 0.5) - quantile(relative[1], 0.5);
     return std::sqrt(std::max(0.0, left / (kGrowth - 1)));
 }
@@ -360,13 +359,13 @@ std::vector<double> PointSurface::fitQuadrics(std::size_t count, Progress& progr
     off_.resize(n);
     std::vector<double> misfit(n);
     std::vector<Vec3d> fitted(n);
-    std::atomic<std::size_t> done{0}, facing{0};
+    std::atomic<std::size_t> facing{0};
+    Steps steps(progress, "fitting points", n, 0.5, 1);
     layered_.assign(n, 0);
     const StackedSheets sheets(points_, spacing_, normals_);
     // Twice as many, in case half of them are on another sheet.
     const std::size_t sought = std::max(2 * count, kNearby);
-    parallelFor(n, 128, [&](std::size_t begin, std::size_t end) {
-        if (progress.cancelled()) return;
+    parallelFor(n, 128, progress, [&](std::size_t begin, std::size_t end) {
         std::vector<PointTree::Found> nearest;
         for (std::size_t i = begin; i < end; ++i) {
             points_.nearest(points_[i], sought, nearest);
@@ -383,9 +382,8 @@ std::vector<double> PointSurface::fitQuadrics(std::size_t count, Progress& progr
             misfit[i] = std::max(fit.residual, fit.off) / spacing_[i];
             fitted[i] = fit.normal;
         }
-        progress.update("fitting points", (1 + double(done += end - begin) / double(n)) / 2);
+        steps.add(end - begin);
     });
-    progress.throwIfCancelled();
     density_.facing = double(facing) / double(n);
     normals_ = std::move(fitted);
     return misfit;

@@ -18,11 +18,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <map>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace igeo::test {
@@ -82,6 +84,25 @@ TEST_CASE("Steps: a part of a stage, from its beginning to its end") {
     CHECK_FALSE(steps.cancelled());
     r.stop = true;
     CHECK(steps.cancelled());
+}
+
+TEST_CASE("Steps: shares come in order, also where a thread is slow to report its own") {
+    struct SlowHalf : Recorder {
+        void update(const char* name, double fraction) override {
+            if (fraction == 0.5) {
+                begun = true;
+                std::this_thread::sleep_for(std::chrono::milliseconds(50));
+            }
+            Recorder::update(name, fraction);
+        }
+        std::atomic<bool> begun{false};
+    } r;
+    Steps steps(r, "stage", 2);
+    std::thread slow([&] { steps.add(1); });
+    while (!r.begun) std::this_thread::yield();
+    steps.add(1);
+    slow.join();
+    CHECK(r.seen["stage"] == std::vector<double>{0, 0.5, 1});
 }
 
 TEST_CASE("every long stage says that it begins, goes on, and is done; and stops when canceled") {

@@ -3,13 +3,13 @@
 
 #include <igeo/base/progress.h>
 
-#include <atomic>
 #include <cstddef>
+#include <mutex>
 
 namespace igeo {
 
 /// Counts the steps that threads have done, of the `total` equal steps of a stage or of part of
-/// one.
+/// one. Reports its shares in order, one at a time.
 class Steps {
 public:
     /// @param from, to  the part of the stage, fractions
@@ -18,8 +18,9 @@ public:
         progress_.update(stage_, from_);
     }
     void add(std::size_t steps) {
-        const std::size_t done = done_ += steps;
-        progress_.update(stage_, from_ + (to_ - from_) * double(done) / double(total_));
+        const std::lock_guard<std::mutex> lock(mutex_);
+        done_ += steps;
+        progress_.update(stage_, from_ + (to_ - from_) * double(done_) / double(total_));
     }
     bool cancelled() const { return progress_.cancelled(); }
 
@@ -28,7 +29,8 @@ private:
     const char* stage_;
     std::size_t total_;
     double from_, to_;
-    std::atomic<std::size_t> done_{0};
+    std::mutex mutex_;
+    std::size_t done_ = 0;
 };
 
 }  // namespace igeo

@@ -1,9 +1,9 @@
 #include <igeo/results/detail/renderer.h>
 
+#include <igeo/base/detail/steps.h>
 #include <igeo/base/parallel.h>
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <numeric>
 
@@ -90,10 +90,8 @@ std::vector<std::uint32_t> Renderer::shownTriangles(std::size_t& pixels) const {
 
 void Renderer::rows(int pass, const std::function<void(int, int, const RowDone&)>& body) {
     constexpr int kRows = 16;
-    std::atomic<int> done{0};
-    const RowDone rowDone = [&] {
-        progress_.update("picture", (pass + double(++done) / frame_.height) / 2);
-    };
+    Steps steps(progress_, "picture", std::size_t(frame_.height), pass / 2.0, (pass + 1) / 2.0);
+    const RowDone rowDone = [&] { steps.add(1); };
     const auto parts = std::size_t((frame_.height + kRows - 1) / kRows);
     parallelFor(parts, 1, [&](std::size_t begin, std::size_t end) {
         for (int k = int(begin); k < int(end) && !progress_.cancelled(); ++k)
