@@ -1,8 +1,8 @@
 #include <igeo/metric/slope.h>
 
 #include <fmt/core.h>
+#include <igeo/band/detail/mesh_fan.h>
 #include <igeo/base/error.h>
-#include <igeo/base/nearest_on_triangle.h>
 #include <igeo/base/parallel.h>
 #include <igeo/metric/obstacles.h>
 
@@ -39,27 +39,6 @@ double slopeOf(const Vec3d& normal, const Vec3d& up) {
     return length(cross(normal, up)) / std::max(std::abs(dot(normal, up)), 1e-12);
 }
 
-/// Calls visit(triangle) for the triangles that meet at a point of one of them.
-template <typename Visit>
-void forTrianglesAt(const SurfaceTriangles& triangles, const SurfaceTriangles::Place& place,
-                    const Visit& visit) {
-    constexpr double kOn = 1e-3;  // voxels
-    std::vector<std::uint32_t> found{place.triangle};
-    for (std::size_t k = 0; k < found.size(); ++k) {
-        visit(found[k]);
-        for (unsigned side = 0; side < 3; ++side) {
-            const std::uint32_t t = found[k];
-            if (distanceToSegment(place.point, triangles.corner(t, side),
-                                  triangles.corner(t, side + 1)) > kOn)
-                continue;
-            triangles.forBeyond(t, side, [&](std::uint32_t other) {
-                if (std::find(found.begin(), found.end(), other) == found.end())
-                    found.push_back(other);
-            });
-        }
-    }
-}
-
 /// The slopes of a band. On an edge the normal of a node lies between those of both sides, and
 /// along a ridge it points straight up. On a mesh the least of the triangles that meet there
 /// counts. On level sets and points, where voxels round edges off, at least that of the gentler
@@ -92,11 +71,13 @@ private:
     double slopeAt(const Vec3f& normal) const { return slopeOf(normalized(Vec3d(normal)), up_); }
     double slopeAt(NodeIndex i) const { return slopeAt(band_.normal[i]); }
     double onMesh(NodeIndex i) const {
+        constexpr double kOn = 1e-3;  // voxels
+        const SurfaceTriangles::Place foot = band_.footPlace(i);
         double least = kInfinity;
-        forTrianglesAt(*band_.triangles, band_.footPlace(i), [&](std::uint32_t t) {
+        for (const std::uint32_t t :
+             trianglesAt(*band_.triangles, {foot.triangle, foot.point}, kOn))
             if (const Vec3d n = band_.triangles->normal(t); n != Vec3d{})
                 least = std::min(least, slopeAt(Vec3f(n)));
-        });
         return least < kInfinity ? least : slopeAt(i);
     }
     /// By how much the normal turns per voxel, from a node to its neighbors.

@@ -14,16 +14,16 @@
 namespace igeo {
 
 /// The triangles that hold a point: more than one where it is on an edge or a vertex.
+/// @param on  a point this close to an edge is on it, voxels
 template <typename Mesh>
-std::vector<std::uint32_t> trianglesAt(const Mesh& mesh, const MeshPoint& p) {
-    constexpr double kOn = 1e-5;  // voxels
+std::vector<std::uint32_t> trianglesAt(const Mesh& mesh, const MeshPoint& p, double on = 1e-5) {
     std::vector<std::uint32_t> around{p.triangle};
     for (std::size_t n = 0; n < around.size(); ++n) {
         const std::uint32_t t = around[n];
         for (std::uint32_t k = 0; k < 3; ++k) {
             const Vec3d a = mesh.corner(t, k), e = mesh.corner(t, k + 1) - a;
             const double l2 = dot(e, e), s = l2 > 0 ? dot(p.at - a, e) / l2 : 0;
-            if (length(a + std::clamp(s, 0.0, 1.0) * e - p.at) > kOn) continue;
+            if (length(a + std::clamp(s, 0.0, 1.0) * e - p.at) > on) continue;
             mesh.forBeyond(t, k, [&](std::uint32_t u) {
                 if (std::find(around.begin(), around.end(), u) == around.end()) around.push_back(u);
             });
