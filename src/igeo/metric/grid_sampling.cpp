@@ -1,5 +1,6 @@
 #include <igeo/metric/grid_sampling.h>
 
+#include <igeo/base/detail/box.h>
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
@@ -175,32 +176,27 @@ private:
     openvdb::Vec3s background_;
 };
 
-struct WorldBox {
-    Vec3d low{kInfinity, kInfinity, kInfinity}, high = -low;
+/// World space, as the next two.
+std::string describe(const Box& box) {
+    return fmt::format("{} to {}", textOf(box.low), textOf(box.high));
+}
 
-    void add(const Vec3d& p) {
-        for (int a = 0; a < 3; ++a)
-            low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
-    }
-    std::string describe() const { return fmt::format("{} to {}", textOf(low), textOf(high)); }
-};
-
-WorldBox boxOf(const Band& band) {
-    WorldBox box;
+Box boxOf(const Band& band) {
+    Box box;
     for (std::size_t k = 0; k < band.size(); ++k)
-        box.add(band.transform.worldFromIndex(band.footPoint(NodeIndex(k))));
+        box.include(band.transform.worldFromIndex(band.footPoint(NodeIndex(k))));
     return box;
 }
 
-WorldBox boxOf(const openvdb::GridBase& grid) {
+Box boxOf(const openvdb::GridBase& grid) {
     const auto voxels = grid.evalActiveVoxelBoundingBox();
-    WorldBox box;
+    Box box;
     for (int k = 0; k < 8; ++k) {
         const auto corner = [&](unsigned a) {
             return k >> a & 1 ? voxels.max()[a] + 0.5 : voxels.min()[a] - 0.5;
         };
         const openvdb::Vec3d p = grid.indexToWorld(openvdb::Vec3d(corner(0), corner(1), corner(2)));
-        box.add({p.x(), p.y(), p.z()});
+        box.include({p.x(), p.y(), p.z()});
     }
     return box;
 }
@@ -230,8 +226,8 @@ std::vector<typename Reader::Value> readAll(const Reader& reader, const openvdb:
     if (!met)
         throw Error(Kind::BadInput,
                     "none of the grid's active voxels lies at the surface: they span " +
-                        boxOf(grid).describe() + " in the world, the surface " +
-                        boxOf(band).describe() + where,
+                        describe(boxOf(grid)) + " in the world, the surface " +
+                        describe(boxOf(band)) + where,
                     remedy);
     const auto first = std::find(good.begin(), good.end(), 0);
     if (first == good.end()) return values;

@@ -1,6 +1,7 @@
 #include <igeo/results/detail/band_mesh.h>
 
 #include <igeo/base/parallel.h>
+#include <igeo/results/detail/cell_sheets.h>
 
 #include <algorithm>
 #include <unordered_map>
@@ -13,8 +14,6 @@ constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 constexpr float kMostPerVoxel = 2.5f;  ///< change of a distance, with a margin for its error
 
 bool crosses(float a, float b) { return (a < 0) != (b < 0) && std::abs(a - b) < kMostPerVoxel; }
-
-Ijk cornerOf(unsigned k) { return {int(k >> 2), int(k >> 1 & 1), int(k & 1)}; }
 
 /// The mean of the points where psi crosses the edges of a cell, projected to psi = 0. False
 /// without crossings.

@@ -1,11 +1,16 @@
 /// The sheets of a surface in a cell of eight voxels. Internal.
 #pragma once
 
+#include <igeo/base/types.h>
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
 namespace igeo {
+
+/// Corner (a, b, c) of a cell, at 4 a + 2 b + c.
+inline Ijk cornerOf(unsigned k) { return {int(k >> 2), int(k >> 1 & 1), int(k & 1)}; }
 
 /// The corners of a cell are numbered 4 a + 2 b + c for corner (a, b, c); `inside` has a bit for
 /// each corner with psi < 0. Faces: -x, +x, -y, +y, -z, +z.

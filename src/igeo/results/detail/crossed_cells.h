@@ -15,9 +15,6 @@ namespace igeo {
 struct Band;
 struct LevelSet;
 
-/// Corner (a, b, c) of a cell, at 4 a + 2 b + c.
-inline Ijk cornerOf(unsigned k) { return {int(k >> 2), int(k >> 1 & 1), int(k & 1)}; }
-
 /// The cells that S passes through, whose lowest voxel is in one leaf.
 struct CellLeaf {
     using Mask = std::array<std::uint64_t, 8>;  ///< as LeafNodes::mask
