@@ -232,12 +232,10 @@ void Query::makeBand(const std::vector<Ball>& region) {
 void Query::snapPoints() {
     auto snapAll = [&](std::size_t count, const auto& positionOf) {
         std::vector<SurfacePoint> snapped(count);
-        parallelFor(count, 64, [&](std::size_t begin, std::size_t end) {
-            if (progress_.cancelled()) return;
+        parallelFor(count, 64, progress_, [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k)
                 snapped[k] = setup_.surface.nearest(band(), setup_.indexOf(positionOf(k)));
         });
-        progress_.throwIfCancelled();
         return snapped;
     };
     seeds_ = snapAll(points_.size(), [&](std::size_t k) { return points_[k].seed.position; });

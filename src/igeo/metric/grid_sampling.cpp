@@ -213,8 +213,7 @@ std::vector<typename Reader::Value> readAll(const Reader& reader, const openvdb:
     std::vector<std::uint8_t> good(band.size());
     std::atomic<bool> met{false};
     Steps steps(progress, "metric", band.size());
-    parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
-        if (steps.cancelled()) return;
+    parallelFor(band.size(), 4096, progress, [&](std::size_t begin, std::size_t end) {
         const Reader mine = reader;
         bool active = false;
         for (std::size_t k = begin; k < end; ++k)
@@ -222,7 +221,6 @@ std::vector<typename Reader::Value> readAll(const Reader& reader, const openvdb:
         if (active) met = true;
         steps.add(end - begin);
     });
-    progress.throwIfCancelled();
     if (!met)
         throw Error(Kind::BadInput,
                     "none of the grid's active voxels lies at the surface: they span " +

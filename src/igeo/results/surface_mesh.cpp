@@ -145,8 +145,7 @@ void sampleField(SurfaceMesh& mesh, const Field& field, Progress& progress) {
     mesh.label.resize(n);
     mesh.gradient.resize(n);
     Steps reading(progress, "mesh", n, 0.7, 1);
-    parallelFor(n, 1024, [&](std::size_t begin, std::size_t end) {
-        if (reading.cancelled()) return;
+    parallelFor(n, 1024, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const Vec3d p = mesh.position[i], sheetNormal(mesh.normal[i]);
             const SurfaceCell cell(*field.band, *field.metric, p, sheetNormal);
@@ -158,7 +157,6 @@ void sampleField(SurfaceMesh& mesh, const Field& field, Progress& progress) {
         }
         reading.add(end - begin);
     });
-    progress.throwIfCancelled();
 }
 
 SurfaceMesh inWorld(SurfaceMesh mesh, const Similarity& transform) {

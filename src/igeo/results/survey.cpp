@@ -48,8 +48,7 @@ std::vector<Judgement> judgeCore(const LevelSet& levelSet, const Band& band,
                                  Progress& progress) {
     std::vector<Judgement> all(nodes.size());
     Steps steps(progress, "survey", band.leaves.size(), 0, 0.3);
-    parallelFor(band.leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
-        if (steps.cancelled()) return;
+    parallelFor(band.leaves.size(), 32, progress, [&](std::size_t begin, std::size_t end) {
         LeafBlock block;
         const LeafBlock::Accessor psi(levelSet.psi->constTree());
         for (std::size_t l = begin; l < end; ++l) {
@@ -81,7 +80,6 @@ std::vector<Judgement> judgeCore(const LevelSet& levelSet, const Band& band,
         }
         steps.add(end - begin);
     });
-    progress.throwIfCancelled();
     return all;
 }
 

@@ -79,12 +79,10 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
 
     Marks marks(kept.size());
     Steps steps(progress, "band", kept.size(), 0.2, 0.8);
-    parallelFor(kept.size(), 32, [&](std::size_t begin, std::size_t end) {
-        if (steps.cancelled()) return;
+    parallelFor(kept.size(), 32, progress, [&](std::size_t begin, std::size_t end) {
         fillLeaves(levelSet.psi->constTree(), LeafIndex(begin), end - begin, band, marks);
         steps.add(end - begin);
     });
-    progress.throwIfCancelled();
     parallelFor(marks.kinks.size(), 256, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l)
             for (const NodeIndex i : marks.kinks[l]) band.markKink(i);
