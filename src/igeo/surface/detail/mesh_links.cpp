@@ -244,68 +244,93 @@ void severOffMesh(const MeshBand& on, Band& band, Progress& progress) {
     severIn(leaves, /*beside=*/true);
 }
 
-std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progress) {
-    constexpr float kBend = 0.985f, kRise = 0.1f, kAside = 0.1f;
-    constexpr double kSame = 0.002, kShort = 1e-3;
-    const Band& band = on.band;
-    std::vector<std::vector<StretchedLink>> parts(band.leaves.size());
-    auto isOnBend = [&](NodeIndex i) {
-        return dot(Vec3d(band.normal[i]), on.faceNormal[on.voxel(i).triangle]) < double(kBend);
-    };
-    auto measure = [&](NodeIndex i, NodeIndex j, const Ijk& step, bool mayLeave, MeshWalk& walk,
-                       std::vector<StretchedLink>& found) {
-        const float cosine = dot(band.normal[i], band.normal[j]);
+namespace {
+
+/// The stretched links of one leaf's core nodes to nodes of larger numbers.
+class StretchedOfLeaf {
+public:
+    StretchedOfLeaf(const MeshBand& on, LeafIndex l, MeshWalk& walk,
+                    std::vector<StretchedLink>& found)
+        : on_(on),
+          band_(on.band),
+          walk_(walk),
+          // Folds narrower than a voxel lie between nodes with normals alike, and so do holes.
+          mayLeaveAnywhere_(on.bends[l] == LeafBend::Fold || hasRim(on, l)),
+          mayLeave_(on.bends[l] == LeafBend::Sharp),
+          found_(found) {
+        band_.forNodes(l, [&](NodeIndex i, unsigned offset) {
+            if (band_.leaves[l].core.node(offset) != kNoNode) find(i, l, offset);
+        });
+    }
+
+private:
+    static constexpr float kBend = 0.985f;
+
+    void find(NodeIndex i, LeafIndex l, unsigned offset) {
+        constexpr float kAside = 0.1f;
+        // The voxels around i that lie over the plane of its foot point.
+        std::uint32_t over = SeveredLinks::bit(0, 0, 0);
+        const Vec3f& n = band_.normal[i];
+        links_.clear();
+        band_.forNeighbors(&BandLeaf::band, l, offset, [&](NodeIndex j, int x, int y, int z) {
+            if (j > i) links_.emplace_back(j, Ijk{x, y, z});
+            if (!mayLeave_) return;
+            const Vec3f aside = band_.footOf(j) + band_.psi[j] * n;
+            if (dot(n, band_.normal[j]) > kBend && dot(aside, aside) < kAside * kAside)
+                over |= SeveredLinks::bit(x, y, z);
+        });
+        const std::uint32_t severed = band_.severedSteps(i);
+        for (const auto& [j, step] : links_) {
+            const auto& [x, y, z] = step;
+            if (!band_.inCore(j) || severed & SeveredLinks::bit(x, y, z)) continue;
+            // In a plane, a link may cut the corner of a wall on it or below.
+            const std::uint32_t box = boxOf(step);
+            measure(i, j, step, mayLeaveAnywhere_ || (mayLeave_ && (over & box) != box));
+        }
+    }
+    bool isOnBend(NodeIndex i) const {
+        return dot(Vec3d(band_.normal[i]), on_.faceNormal[on_.voxel(i).triangle]) < double(kBend);
+    }
+    /// @param mayLeave  the mesh, though it looks flat at both nodes
+    void measure(NodeIndex i, NodeIndex j, const Ijk& step, bool mayLeave) {
+        constexpr float kRise = 0.1f;
+        const float cosine = dot(band_.normal[i], band_.normal[j]);
         if (cosine < Band::kOtherSheet) return;
-        const Vec3f chord = chordOf(band, i, j);
-        if (!mayLeave && cosine > kBend && std::abs(dot(band.normal[i], chord)) < kRise &&
-            std::abs(dot(band.normal[j], chord)) < kRise && !isOnBend(i) && !isOnBend(j))
+        const Vec3f chord = chordOf(band_, i, j);
+        if (!mayLeave && cosine > kBend && std::abs(dot(band_.normal[i], chord)) < kRise &&
+            std::abs(dot(band_.normal[j], chord)) < kRise && !isOnBend(i) && !isOnBend(j))
             return;
         // Around a vertex with more than a full turn of faces, two of which lie in one plane, a
         // link that severOffMesh need not test may stand for a longer walk.
         const double along =
-            walk.tightLength(on.foot(i), on.foot(j), 2 * longestFor(arcOf(band, i, chord, j)));
+            walk_.tightLength(on_.foot(i), on_.foot(j), 2 * longestFor(arcOf(band_, i, chord, j)));
         if (!(along < kInfinity)) return;
-        auto add = [&](NodeIndex from, const Ijk& by, double flat) {
-            const double stretch =
-                std::clamp(along / flat, StretchedLink::kLeast, StretchedLink::kMost);
-            if (flat > kShort && std::abs(stretch - 1) > kSame)
-                found.emplace_back(from, by.x, by.y, by.z, stretch);
-        };
-        add(i, step, flatLength(band, i, chord, j));
-        add(j, -step, flatLength(band, j, -chord, i));
-    };
-    parallelFor(band.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
+        add(i, step, along, flatLength(band_, i, chord, j));
+        add(j, -step, along, flatLength(band_, j, -chord, i));
+    }
+    void add(NodeIndex from, const Ijk& by, double along, double flat) {
+        constexpr double kSame = 0.002, kShort = 1e-3;
+        const double stretch =
+            std::clamp(along / flat, StretchedLink::kLeast, StretchedLink::kMost);
+        if (flat > kShort && std::abs(stretch - 1) > kSame)
+            found_.emplace_back(from, by.x, by.y, by.z, stretch);
+    }
+
+    const MeshBand& on_;
+    const Band& band_;
+    MeshWalk& walk_;
+    const bool mayLeaveAnywhere_, mayLeave_;
+    std::vector<std::pair<NodeIndex, Ijk>> links_;  ///< of one node
+    std::vector<StretchedLink>& found_;
+};
+
+}  // namespace
+
+std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progress) {
+    std::vector<std::vector<StretchedLink>> parts(on.band.leaves.size());
+    parallelFor(parts.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
         MeshWalk walk(on.adjacency);
-        std::vector<std::pair<NodeIndex, Ijk>> links;
-        for (std::size_t l = begin; l < end; ++l) {
-            // Folds narrower than a voxel lie between nodes with normals alike, and so do holes.
-            const bool anywhere = on.bends[l] == LeafBend::Fold || hasRim(on, l),
-                       mayLeave = on.bends[l] == LeafBend::Sharp;
-            band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned offset) {
-                if (band.leaves[l].core.node(offset) == kNoNode) return;
-                // The voxels around i that lie over the plane of its foot point.
-                std::uint32_t over = SeveredLinks::bit(0, 0, 0);
-                const Vec3f& n = band.normal[i];
-                links.clear();
-                band.forNeighbors(
-                    &BandLeaf::band, LeafIndex(l), offset, [&](NodeIndex j, int x, int y, int z) {
-                        if (j > i) links.emplace_back(j, Ijk{x, y, z});
-                        if (!mayLeave) return;
-                        const Vec3f aside = band.footOf(j) + band.psi[j] * n;
-                        if (dot(n, band.normal[j]) > kBend && dot(aside, aside) < kAside * kAside)
-                            over |= SeveredLinks::bit(x, y, z);
-                    });
-                const std::uint32_t severed = band.severedSteps(i);
-                for (const auto& [j, step] : links) {
-                    const auto& [x, y, z] = step;
-                    if (!band.inCore(j) || severed & SeveredLinks::bit(x, y, z)) continue;
-                    // In a plane, a link may cut the corner of a wall on it or below.
-                    const std::uint32_t box = boxOf(step);
-                    const bool leaves = mayLeave && (over & box) != box;
-                    measure(i, j, step, anywhere || leaves, walk, parts[l]);
-                }
-            });
-        }
+        for (std::size_t l = begin; l < end; ++l) StretchedOfLeaf(on, LeafIndex(l), walk, parts[l]);
     });
     std::vector<StretchedLink> all;
     for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
