@@ -29,7 +29,7 @@ bool isPointFile(const std::string& file);
 ///         truncated file (with line or byte), decimal commas (1,5;2,5 or 1,5 2,5), a header that
 ///         names x y z nx ny nz in another order, columns 4 to 6 without a name that are no unit
 ///         vector, a coordinate that is not finite, a normal that is not finite or zero, or no
-///         points
+///         points. Time O(size)
 PointCloud readPointCloud(const std::string& file);
 
 }  // namespace igeo

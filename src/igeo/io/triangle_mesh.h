@@ -82,12 +82,12 @@ MeshTopology meshTopology(const TriangleMesh& mesh);
 /// of three or more, each part is oriented by the next. A component with one side only, as a
 /// Moebius strip, keeps some inconsistent edges. Where the closed components enclose a negative
 /// volume in all, their triangles are flipped, so that normals point out.
-/// @return number of triangles flipped
+/// @return number of triangles flipped. Time O(n log n)
 std::size_t orientConsistently(TriangleMesh& mesh);
 /// The same with a known topology, which is updated.
 std::size_t orientConsistently(TriangleMesh& mesh, MeshTopology& topology);
 
-/// In squared units of the file.
+/// In squared units of the file. Time O(n).
 double meshArea(const TriangleMesh& mesh);
 
 /// The approximate number of voxels within `halfWidth` voxels of the mesh: the size of its grid.

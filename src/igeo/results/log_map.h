@@ -58,7 +58,7 @@ LogMap logMap(const Field& field, const Vec3d& reference = {},
               Progress& progress = Progress::none());
 
 /// The same at a point of S: the direction is blended from the nodes around it that one front
-/// reached; the length is the distance there. NaN where that is unknown.
+/// reached; the length is the distance there. NaN where that is unknown. Time O(1).
 /// @param map  of the field
 Vec2f positionAt(const Field& field, const LogMap& map, const SurfacePoint& p);
 

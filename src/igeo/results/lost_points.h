@@ -47,7 +47,7 @@ private:
              const double* distance);
 };
 
-/// The warning of one march; empty where a limit has ended it.
+/// The warning of one march to points of S; empty where a limit has ended it. Time as of `add`.
 std::string lostWarning(const Field& field, const char* what, const std::vector<Vec3d>& pWorld,
                         const std::vector<double>& distance);
 
