@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/band/detail/mesh_fan.h>
+#include <igeo/base/detail/single.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/metric/obstacles.h>
@@ -67,17 +68,17 @@ public:
     }
 
 private:
-    /// In the precision of the band, in which triangles of one plane have one normal.
     double slopeAt(const Vec3f& normal) const { return slopeOf(normalized(Vec3d(normal)), up_); }
     double slopeAt(NodeIndex i) const { return slopeAt(band_.normal[i]); }
     double onMesh(NodeIndex i) const {
         constexpr double kOn = 1e-3;  // voxels
         const SurfaceTriangles::Place foot = band_.footPlace(i);
         double least = kInfinity;
+        // In the precision of the band, in which triangles of one plane have one normal.
         for (const std::uint32_t t :
              trianglesAt(*band_.triangles, {foot.triangle, foot.point}, kOn))
             if (const Vec3d n = band_.triangles->normal(t); n != Vec3d{})
-                least = std::min(least, slopeAt(Vec3f(n)));
+                least = std::min(least, slopeOf(normalized(inSingle(n)), up_));
         return least < kInfinity ? least : slopeAt(i);
     }
     /// By how much the normal turns per voxel, from a node to its neighbors.

@@ -1,3 +1,4 @@
+#include <igeo/base/detail/single.h>
 #include <igeo/base/types.h>
 #include <support/catch.h>
 
@@ -49,6 +50,16 @@ TEST_CASE("types: rounding goes down at negative coordinates too") {
     CHECK(roundToIjk({0.49, 0.5, -0.5}) == Ijk{0, 1, 0});
     CHECK(roundToIjk({-0.51, -1.5, -1.6}) == Ijk{-1, -1, -2});
     CHECK(floorToIjk({-0.01, -1, 1.99}) == Ijk{-1, -1, 1});
+}
+
+TEST_CASE("types: single precision rounds each coordinate") {
+    const Vec3d third{1.0 / 3, -2.0 / 3, 1e9 / 3};
+    const Vec3d p = inSingle(third);
+    for (int a = 0; a < 3; ++a) {
+        CHECK(p[a] != third[a]);
+        CHECK(std::abs(p[a] / third[a] - 1) < 6e-8);
+    }
+    CHECK(inSingle(p) == p);
 }
 
 TEST_CASE("types: vectors") {
