@@ -7,6 +7,7 @@
 #include <igeo/march/detail/mesh_read.h>
 #include <igeo/path/detail/curve_on_triangles.h>
 #include <igeo/path/detail/descent_step.h>
+#include <igeo/path/detail/other_ways.h>
 #include <igeo/path/straighten.h>
 
 #include <algorithm>
@@ -411,16 +412,6 @@ Path Tracer::trace(const SurfacePoint& target) {
 /// A path that is so much longer than its distance may lead around the wrong side.
 constexpr double kLonger = 1.005;
 
-/// The locally shortest curve over the triangles that a search from one end of a path to the other
-/// finds, where its length is exact; else the path.
-Path betweenEnds(const Field& field, const Path& path) {
-    Path curve = path;
-    curve.vertices = {path.vertices.front(), path.vertices.back()};
-    if (!layOnTriangles(field, curve)) return path;
-    straighten(field, curve);
-    return curve;
-}
-
 }  // namespace
 
 Path tracePath(const Field& field, const SurfacePoint& target, const TraceOptions& options) {
@@ -442,8 +433,7 @@ Path tracePath(const Field& field, const SurfacePoint& target, const TraceOption
         kLonger * other.length >= path.distance)
         path = other;
     if (!isLong()) return path;
-    const Path curve = betweenEnds(field, path);
-    return curve.length < path.length ? curve : path;
+    return shorterWay(field, path, kLonger * path.distance);
 }
 
 std::vector<Path> tracePaths(const Field& field, const std::vector<SurfacePoint>& targets,

@@ -1,6 +1,8 @@
 // Paths over the triangles of a mesh against unfolding: exact.
 #include <igeo/march/jet.h>
 #include <igeo/path/accuracy_estimate.h>
+#include <igeo/path/detail/curve_on_triangles.h>
+#include <igeo/path/detail/other_ways.h>
 #include <igeo/path/exponential_map.h>
 #include <igeo/path/straighten.h>
 #include <igeo/surface/mesh_band.h>
@@ -106,6 +108,62 @@ TEST_CASE("a path around a hole goes along its rim", "[mesh]") {
         // Chords of half a degree are short by 1e-5.
         CHECK(s.lengthTo(p) ==
               Approx(aroundDisc(hole, {-0.32, 0.03, 0}, p)).epsilon(3e-6));  // measured 1.9e-06
+    }
+}
+
+/// The locally shortest path over a mesh from a target to the seed, beside one through a point.
+Path pathThrough(const Solved& s, const Vec3d& target, const Vec3d& between, const Vec3d& seed) {
+    Path path = tracePath(s.field, s.on(target));
+    path.vertices.clear();
+    for (const Vec3d& p : {target, between, seed}) path.vertices.push_back({s.on(p).pIndex, 0, 0});
+    REQUIRE(layOnTriangles(s.field, path));
+    straighten(s.field, path);
+    return path;
+}
+
+TEST_CASE("a path past a corner or a bump on the longer side is led to the other", "[mesh]") {
+    SECTION("a corner of a box") {
+        // Three right angles meet there: 138 degrees on one side leave 132 on the other.
+        constexpr double kDegree = std::numbers::pi / 180, kFrom = 0.3, kTo = 0.25;
+        const Vec3d size{1, 0.7, 0.5};
+        for (const double from : {30.0, 50.0, 70.0, 85.0}) {
+            const double a = from * kDegree, b = (138 - from) * kDegree;
+            if (b > 90 * kDegree) continue;
+            const Vec3d seed = turned(size - kFrom * Vec3d{std::cos(a), std::sin(a), 0}),
+                        target = turned(size - kTo * Vec3d{std::cos(b), 0, std::sin(b)}),
+                        edge = turned(size - Vec3d{0.1, 0, 0});
+            const Solved s(turned(test::boxMesh(size)), 0.02, seed);
+            auto exact = [&](double degrees) {
+                return std::sqrt(kFrom * kFrom + kTo * kTo -
+                                 2 * kFrom * kTo * std::cos(degrees * kDegree)) /
+                       0.02;
+            };
+            const Path wrong = pathThrough(s, target, edge, seed);
+            CHECK(wrong.length == Approx(exact(138)).epsilon(1e-9));
+            const Path right = shorterWay(s.field, wrong, 0);
+            CHECK(right.length == Approx(exact(132)).epsilon(1e-9));
+            s.requireOnMesh(right);
+        }
+    }
+    SECTION("a bump of many small faces") {
+        // A search from end to end alone takes the longer side of five of the nine.
+        for (const double high : {0.1, 0.2, 0.4})
+            for (const double off : {-0.02, -0.01, 0.01}) {
+                const auto at = [&](double u, double v) {
+                    const double r2 = (u - 0.5) * (u - 0.5) + (v - 0.5 - off) * (v - 0.5 - off);
+                    return Vec3d{u, v, high * std::exp(-r2 / (2 * 0.08 * 0.08))};
+                };
+                const Vec3d seed = at(0.15, 0.7), target = at(0.85, 0.3);
+                const Solved s(test::sheet(97, 31, at), 0.02, seed);
+                Path wrong = pathThrough(s, target, at(0.6, 0.75), seed),
+                     right = pathThrough(s, target, at(0.4, 0.25), seed);
+                if (wrong.length < right.length) std::swap(wrong, right);
+                REQUIRE(wrong.length > 1.005 * right.length);
+                const Path found = shorterWay(s.field, wrong, 0);
+                CHECK(found.length == Approx(right.length).epsilon(1e-9));
+                CHECK(found.vertices.front().distance == Approx(found.length));
+                s.requireOnMesh(found);
+            }
     }
 }
 
