@@ -114,10 +114,17 @@ Scene onSphere(int n) {
 TEST_CASE("obstacles: fronts go around balls of a few voxels") {
     constexpr int kN = 64;
     struct Case {
-        double radius;     // voxels
-        double mean, p95;  // 1.5 times what was measured: 0.086, 0.250; 0.038, 0.108; 0.031, 0.088
+        double radius;  // voxels
+        // 1.5 times what was measured: 0.098, 0.299; 0.055, 0.177; 0.048, 0.130; 0.034, 0.095;
+        // 0.029, 0.086. Balls of 2 voxels have 0.086, 0.250 where nodes just outside stay where
+        // they are.
+        double mean, p95;
     };
-    for (const Case& c : {Case{2, 0.129, 0.376}, {3, 0.057, 0.162}, {5, 0.046, 0.132}}) {
+    for (const Case& c : {Case{1, 0.148, 0.448},
+                          {1.5, 0.083, 0.267},
+                          {2, 0.072, 0.195},
+                          {3, 0.051, 0.144},
+                          {5, 0.043, 0.129}}) {
         std::vector<double> errors;
         for (int k = 0; k < 8; ++k) {
             const Scene s = onPlane(kN, c.radius / kN, k / (8.0 * kN));

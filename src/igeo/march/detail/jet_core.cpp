@@ -131,7 +131,7 @@ float freePart(const Metric& metric, const Vec3d& from, const Vec3f& step, const
     return free;
 }
 
-/// A node inside an obstacle that moves onto its rim.
+/// A node inside an obstacle, or just outside of it, that moves onto its rim.
 struct RimNode {
     std::size_t node;
     Vec3f inside, out;  ///< its foot point, and the direction to the rim along a link, unit
@@ -163,6 +163,39 @@ std::optional<RimNode> nearestRim(const JetCore& core, std::size_t k) {
             nearest = {k, node.foot, (-1 / len) * step, back, len, kOff};
         });
     return nearest;
+}
+
+/// The point of the rim nearest to a node outside an obstacle, on its links to nodes inside, if it
+/// is nearer than nodes are that move onto the rim: steps along it would be blocked.
+std::optional<RimNode> closeRim(const JetCore& core, std::size_t k) {
+    constexpr float kNear = 0.2f, kOff = 0.05f;
+    const JetNode& node = core.nodes[k];
+    std::optional<RimNode> nearest;
+    float least = kNear;
+    const std::uint32_t severed = core.severedSteps(node);
+    core.band.forNeighbors(
+        &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int dx, int dy, int dz) {
+            const JetNode& inside = core.nodes[j];
+            if (inside.obstacleState != Metric::Inside || severed & SeveredLinks::bit(dx, dy, dz) ||
+                dot(node.normal, inside.normal) < Band::kOtherSheet)
+                return;
+            const Vec3f step = inside.foot + Vec3f(Ijk{dx, dy, dz}) - node.foot;
+            const float len = length(step), ahead = freePart(core.metric, core.footOf(node), step,
+                                                             Vec3d(inside.normal)) *
+                                                    len;
+            if (ahead >= least) return;
+            least = ahead;
+            nearest = {k,
+                       node.foot + (ahead / len) * step,
+                       (-1 / len) * step,
+                       0,
+                       len,
+                       std::max(kOff, ahead)};
+        });
+    if (!nearest) return {};
+    // Between two obstacles it stays.
+    const Vec3d moved = core.footOf(node) + Vec3d(nearest->foot() - node.foot);
+    return core.metric.blocked(moved, moved, Vec3d(node.normal)) ? std::nullopt : nearest;
 }
 
 /// Whether the obstacle blocks the step from a node of the rim to a neighbor on the same side of
@@ -210,13 +243,16 @@ void clearSteps(JetCore& core, std::vector<RimNode>& rim) {
     }
 }
 
-/// Moves nodes inside an obstacle, but next to one outside, onto its rim, so that fronts go along
-/// the rim and not along the voxels outside of it.
+/// Moves nodes inside an obstacle, but next to one outside, and those just outside onto its rim, so
+/// that fronts go along the rim and not along the voxels outside of it.
 void placeRimNodes(JetCore& core) {
     std::vector<RimNode> rim;
-    for (std::size_t k = 0; k < core.nodes.size(); ++k)
-        if (core.nodes[k].obstacleState == Metric::Inside)
-            if (const auto found = nearestRim(core, k)) rim.push_back(*found);
+    for (std::size_t k = 0; k < core.nodes.size(); ++k) {
+        const auto state = core.nodes[k].obstacleState;
+        if (state == Metric::Clear) continue;
+        if (const auto found = state == Metric::Inside ? nearestRim(core, k) : closeRim(core, k))
+            rim.push_back(*found);
+    }
     for (const RimNode& moved : rim) {
         JetNode& node = core.nodes[moved.node];
         node.foot = moved.foot(), node.obstacleState = Metric::Beside;
