@@ -181,7 +181,7 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
     report.walks = shoot(solver, o.shots, stages);
     report.pairs = solvePairs(solver, o, stages);
     report.vias = solveVias(solver, o, report, stages);
-    warnOfResults(solver, distance, report, stages);
+    warnOfResults(solver, input, distance, report, stages);
 
     report.seconds = stages.seconds();
     report.peakMemory = peakMemory();

@@ -291,6 +291,40 @@ TEST_CASE("seed-mask: parts between the foot points are seeds as well") {
     CHECK(most < 0.15);  // measured 0.098; before 38, as three of the four were no seeds
 }
 
+TEST_CASE("seed-mask: parts that do not meet the surface are counted") {
+    const FineSphere desk;
+    // Voxels of a half and of four times the width of the sphere's.
+    const double dx = GENERATE(0.025, 0.2);
+    const auto mask = openvdb::BoolGrid::create();
+    mask->setName("mask");
+    mask->setTransform(openvdb::math::Transform::createLinearTransform(dx));
+    auto box = [&](const Vec3d& low, const Vec3d& high) {
+        mask->fill({openvdb::Coord::round(mask->worldToIndex({low.x, low.y, low.z})),
+                    openvdb::Coord::round(mask->worldToIndex({high.x, high.y, high.z}))},
+                   true);
+    };
+    auto warnings = [&] {
+        writeVdb(desk / "mask.vdb", {mask});
+        requireDone(desk, "--sdf in.vdb --seed-mask mask.vdb -q -o out.vdb --report r.json");
+        return reportOf(desk)["warnings"].dump();
+    };
+    box({-0.2, -0.2, 0.8}, {0.2, 0.2, 1.2});
+    // A staircase of voxels that share corners ends on the sphere.
+    const openvdb::Coord end = openvdb::Coord::round(mask->worldToIndex({1, 0, 0}));
+    for (int k = 0; k < 8; ++k) mask->tree().setValueOn(end + openvdb::Coord(k, k, -k), true);
+    CHECK(warnings() == "[]");
+    // Tiles: 64 voxels a side, or 32.
+    box({8, 8, 8}, {8 + 63 * dx, 8 + 63 * dx, 8 + 63 * dx});
+    mask->tree().setValueOn(openvdb::Coord(0, 0, 0), true);
+    CHECK_THAT(warnings(), contains("2 of 4 parts of --seed-mask mask.vdb do not meet the surface "
+                                    "and give no seed: 262144 voxels around (") &&
+                               contains("; 1 voxel around (0,0,0)"));
+    // Along a diagonal the two are joined, and to the sphere.
+    const openvdb::Coord corner = openvdb::Coord::round(mask->worldToIndex({8, 8, 8}));
+    for (int k = 0; k < corner[0]; ++k) mask->tree().setValueOn(openvdb::Coord(k), true);
+    CHECK(warnings() == "[]");
+}
+
 TEST_CASE("seed-mask: components that lie inside as a whole have distance 0") {
     const TempWorkspace desk;
     desk.make("in.vdb", "two-spheres --voxel-size 0.05");

@@ -1,9 +1,6 @@
 #include "input/seed_input.h"
 
 #include <igeo/base/error.h>
-#include <igeo/metric/obstacles.h>
-
-#include <memory>
 
 #include "input/guarded_read.h"
 #include "input/vertex_input.h"
@@ -71,6 +68,7 @@ SeedInput readSeeds(const SeedOptions& o, const igeo::Surface& surface) {
         const auto warnings = addRegion(source, surface, *region);
         in.warnings.insert(in.warnings.end(), warnings.begin(), warnings.end());
         in.seeds.regions.push_back(region);
+        in.masks.push_back(region);
         in.names.push_back("mask " + source.text());
         in.seeds.names.push_back("--seed-mask " + source.text());
     }

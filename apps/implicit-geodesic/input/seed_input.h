@@ -2,7 +2,9 @@
 #pragma once
 
 #include <igeo/geodesic_solver.h>
+#include <igeo/metric/obstacles.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,8 @@ struct SeedInput {
     igeo::MarchLimits limits;           ///< with the targets
     std::vector<std::string> names;     ///< per source its description; empty for a point
     std::vector<std::string> warnings;  ///< about the files read
+    /// The regions of `seeds`.
+    std::vector<std::shared_ptr<const igeo::ObstacleSet>> masks;
 };
 
 /// @throws igeo::Error  as the readers, ObstacleSet and Surface::vertex

@@ -200,12 +200,32 @@ void warnOfSurface(const igeo::GeodesicSolver& solver, RunReport& report,
     report.warn("no obstacle meets the surface, so nothing is blocked: " + names);
 }
 
+void warnOfMasks(const SeedInput& seeds, const igeo::Distance& distance, RunReport& report,
+                 igeo::Progress& progress) {
+    constexpr std::size_t kNamed = 3;
+    for (std::size_t k = 0; k < seeds.masks.size(); ++k) {
+        const igeo::ObstacleSet::Parts parts = seeds.masks[k]->parts(distance.band(), progress);
+        const std::size_t off = parts.off.size();
+        if (off == 0) continue;
+        std::string list;
+        for (std::size_t p = 0; p < std::min(off, kNamed); ++p)
+            list +=
+                fmt::format("{}{} voxel{} around ({})", p ? "; " : "", parts.off[p].voxels,
+                            parts.off[p].voxels == 1 ? "" : "s", textOf(parts.off[p].position, 6));
+        report.warn(fmt::format("{} of {} parts of {} {} not meet the surface and {} no seed: {}{}",
+                                off, parts.all, seeds.seeds.names[seeds.seeds.curves.size() + k],
+                                off == 1 ? "does" : "do", off == 1 ? "gives" : "give", list,
+                                off > kNamed ? "; ..." : ""));
+    }
+}
+
 }  // namespace
 
-void warnOfResults(const igeo::GeodesicSolver& solver, const igeo::Distance& distance,
-                   RunReport& report, igeo::Progress& progress) {
+void warnOfResults(const igeo::GeodesicSolver& solver, const SeedInput& seeds,
+                   const igeo::Distance& distance, RunReport& report, igeo::Progress& progress) {
     const bool byJet = solver.options().scheme == igeo::Scheme::Jet;
     warnOfSurface(solver, report, progress);
+    warnOfMasks(seeds, distance, report, progress);
     report.warn(igeo::marchWarnings(distance, report.sources));
     report.warn(igeo::pathWarnings(solver.surface(), byJet, report.paths));
     report.warn(igeo::pathWarnings(solver.surface(), report.pairs));

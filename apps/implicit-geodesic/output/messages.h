@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "console.h"
+#include "input/seed_input.h"
 #include "options/run_options.h"
 #include "output/report.h"
 
@@ -18,10 +19,10 @@ bool showsPaths(const RunOptions& options, std::size_t targets);
 void describe(const igeo::Distance& distance, const Console& console);
 
 /// Adds warnings of all that may be wrong with results: those of igeo/warnings.h, obstacles that
-/// block nothing, and targets and pairs that were skipped, as they are off the surface. Fills
-/// RunReport::unresolved.
-void warnOfResults(const igeo::GeodesicSolver& solver, const igeo::Distance& distance,
-                   RunReport& report, igeo::Progress& progress);
+/// block nothing, parts of seed masks that give no seed, and targets and pairs that were skipped,
+/// as they are off the surface. Fills RunReport::unresolved.
+void warnOfResults(const igeo::GeodesicSolver& solver, const SeedInput& seeds,
+                   const igeo::Distance& distance, RunReport& report, igeo::Progress& progress);
 
 /// Prints warnings, and the outcomes of targets, walks and pairs.
 /// @return kDone or kUnreached

@@ -85,6 +85,20 @@ public:
     /// Of masks, and negative ones of level sets; not of tiles, which are no thin parts.
     void forVoxels(const std::function<void(const Vec3d&)>& visit) const override;
 
+    /// Connected parts of grids; voxels that share a corner are connected.
+    struct Parts {
+        struct Part {
+            Vec3d position{};  ///< the mean of its voxels, world
+            std::size_t voxels = 0;
+        };
+        std::size_t all = 0;    ///< the number of parts, with those that meet S
+        std::vector<Part> off;  ///< those that do not, the largest first
+    };
+    /// The parts of masks and level sets, and those in which no point of S lies: a region of seeds
+    /// has no seed there. A level set that is negative everywhere far away has no parts.
+    /// Time O(voxels + nodes), four bytes per voxel.
+    Parts parts(const Band& band, Progress& progress = Progress::none()) const;
+
 private:
     /// A tree without its virtual functions, which a compiler takes seven seconds for.
     using VoxelSet = openvdb::MaskTree::RootNodeType;
