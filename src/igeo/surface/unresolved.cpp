@@ -25,6 +25,9 @@ constexpr float kParallel = -0.9f;
 constexpr float kContradiction = 0.4f;
 /// Within this many steps of a contradiction, S is considered affected.
 constexpr int kBeside = 2;
+/// Cosine of normals within kBeside steps of a fold that was closed: it parts two sides. Those at
+/// hollow edges of unions are less opposite.
+constexpr float kFolded = -0.5f;
 /// Nodes. In grooves that narrow to nothing psi parts single nodes from all others.
 constexpr std::size_t kLargestIsland = 8;
 /// Closer voxels have a foot point in any direction.
@@ -130,6 +133,20 @@ bool contradictsItself(const LeafBlock& psi, int x, int y, int z, const Vec3f& f
     return true;
 }
 
+/// Whether normals around a voxel are as opposite as those of the sides of a fold. The lesser of
+/// two level sets is one of their union, but no distance to it beside hollow edges.
+bool isInFold(const Band& band, LeafIndex l, unsigned at) {
+    std::array<Vec3f, 125> normals;
+    std::size_t count = 0;
+    bool found = false;
+    band.forBox(&BandLeaf::band, l, at, {}, kBeside, [&](NodeIndex j, const Ijk&) {
+        const Vec3f normal = band.normal[j];
+        for (std::size_t k = 0; k < count; ++k) found |= dot(normal, normals[k]) < kFolded;
+        normals[count++] = normal;
+    });
+    return found;
+}
+
 void markBeside(const Band& band, LeafIndex l, unsigned at, std::vector<std::uint8_t>& closed) {
     band.forBox(&BandLeaf::core, l, at, {}, kBeside, [&](NodeIndex core, const Ijk&) {
         std::atomic_ref(closed[core]).store(1, std::memory_order_relaxed);
@@ -192,7 +209,8 @@ Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
                         thin[k] = 2 * reachAt(band, i, kParallel) < kResolved;
                     if (marks & (Band::kFacing | Band::kSevered)) cutOff[k] = isOnIsland(band, i);
                 }
-                if (marks & Band::kKink && std::abs(band.psi[i]) >= kLeastPsi && isClosed(i, at))
+                if (marks & Band::kKink && std::abs(band.psi[i]) >= kLeastPsi && isClosed(i, at) &&
+                    isInFold(band, l, at))
                     markBeside(band, l, at, closed);
             }
         }

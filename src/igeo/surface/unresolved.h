@@ -39,8 +39,9 @@ double reachAt(const Band& band, NodeIndex i, float cosine = Band::kOtherSheet);
 /// psi contradicts itself where it is a distance to no surface. The ball around a voxel with radius
 /// |psi| contains no point of S, so the foot point of a voxel lies outside the balls of its
 /// neighbors. Where every point at distance |psi| is inside one of them by 0.4 voxels, there is no
-/// foot point: a fold or gap of up to two voxels was closed, and the values between its walls are
-/// invented.
+/// foot point: where normals within two voxels differ by more than 120 degrees, a fold or gap of up
+/// to two voxels was closed, and the values between its walls are invented. Elsewhere psi is that
+/// of a union, beside its hollow edges.
 /// @param band  of all of the level set
 /// Time O(n), in parallel; searches only at kinks of psi.
 Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band);
