@@ -127,7 +127,8 @@ Sentences surfaceWarnings(const GeodesicSolver& solver, Progress& progress) {
     if (const double gap = solver.surface().facts().joinGaps; gap > 0 && band->joints == 0)
         append(found,
                fmt::format("joinGaps {:.6g} joins nothing: no two components of the mesh are "
-                           "as close as that",
+                           "as close as that, nor two rims; a component without a rim there, "
+                           "such as a closed ring with a cut, is not joined to itself",
                            gap));
     const MetricDefinition& costs = solver.options().metric;
     if (const TriangleMesh* mesh = solver.surface().triangles();

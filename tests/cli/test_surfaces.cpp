@@ -182,6 +182,46 @@ TEST_CASE("pieces of a mesh that do not touch are unreachable, unless gaps are j
     CHECK(desk.run(asked + " --join-gaps 0.03 --scheme godunov").exitCode == kUsage);
 }
 
+TEST_CASE("gaps between the rims of one component are joined, and closed rings are not") {
+    const TempWorkspace desk;
+    // A slit over seven tenths, from one side on.
+    writeBytes(desk / "in.obj", sheet(41, [](double x, double y) {
+                   return std::abs(x - 0.5) < 0.3 / 41 && y < 0.7;
+               }));
+    const std::string run =
+        "--mesh in.obj --resolution 30 --seed 0.2,0.3,0.02 --target 0.8,0.3,0.08 -o out.vdb "
+        "--report r.json";
+    CHECK(desk.run(run).exitCode == 0);
+    CHECK(distanceOf(desk, 0) > 0.9);
+    const Result joined = desk.run(run + " --join-gaps 0.03");
+    CHECK_THAT(joined.err, contains("1 pair of components of the mesh, or of rims of one, joined"));
+    std::printf("across a slit: %.4f voxels off\n",
+                30 * std::abs(distanceOf(desk, 0) - 0.6 * std::hypot(1, 0.1)));
+    CHECK(distanceOf(desk, 0) == Approx(0.6 * std::hypot(1, 0.1)).margin(0.5 / 30));
+
+    // A ring of square section with a cut; its ends have no rim.
+    std::ostringstream ring;
+    const int n = 95;
+    for (int k = 0; k <= n; ++k)
+        for (const auto& [r, z] : {std::pair{2, 0}, {3, 0}, {3, 1}, {2, 1}}) {
+            const double t = 2 * M_PI * (k + 0.5) / (n + 1);
+            ring << "v " << r * std::cos(t) << " " << r * std::sin(t) << " " << z << "\n";
+        }
+    for (int k = 0; k < n; ++k)
+        for (int c = 0; c < 4; ++c) {
+            const int a = 4 * k + c + 1, b = 4 * k + (c + 1) % 4 + 1;
+            ring << "f " << a << " " << a + 4 << " " << b + 4 << " " << b << "\n";
+        }
+    ring << "f 1 2 3 4\nf " << 4 * n + 4 << " " << 4 * n + 3 << " " << 4 * n + 2 << " " << 4 * n + 1
+         << "\n";
+    writeBytes(desk / "ring.obj", ring.str());
+    CHECK_THAT(
+        desk.run("--mesh ring.obj --resolution 60 --seed 2.5,0.2,1 -o out.vdb "
+                 "--join-gaps 0.3")
+            .err,
+        contains("joins nothing") && contains("a closed ring with a cut, is not joined to itself"));
+}
+
 TEST_CASE("a mesh by its own vertices: seeds, targets, pairs and results") {
     const TempWorkspace desk;
     const int n = 20, row = n + 1;

@@ -264,9 +264,10 @@ int tell(const RunReport& report, const igeo::Distance& distance, const RunOptio
          const Console& console) {
     for (const std::string& w : report.warnings) console.warning(w);
     if (const std::size_t joints = distance.band().joints)
-        console.info(
-            fmt::format("{} pair{} of components of the mesh joined over gaps of up to {:.6g}",
-                        joints, joints == 1 ? "" : "s", report.surface.joinGaps));
+        console.info(fmt::format(
+            "{} pair{} of components of the mesh, or of rims of one, joined over gaps of "
+            "up to {:.6g}",
+            joints, joints == 1 ? "" : "s", report.surface.joinGaps));
     const int paths = tellPaths(report, distance, console);
     tellWalks(report, console);
     const int pairs = std::max(tellPairs(report, console), tellVias(report, console));
