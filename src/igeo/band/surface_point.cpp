@@ -4,6 +4,7 @@
 #include <igeo/base/parallel.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace igeo {
 
@@ -90,6 +91,19 @@ Vec3d onPsi(const Band& band, const Vec3d& pIndex, const Nearest& best) {
     const bool close = best.squared < 1e6;
     if (close && projectToSurface(band, p) && length(p - pIndex) <= std::sqrt(best.squared) + 1e-3)
         return p;
+    // At a corner of a rim, beyond nearly all voxels, the surface goes on in the plane of the
+    // nearest one, as far as cells have a corner to read from.
+    constexpr double kBeyond = 1.5;   // voxels
+    constexpr double kInward = 1e-6;  // a corner may lie on a corner of cells
+    if (best.squared < kBeyond * kBeyond && std::isnan(psiAt(band, pIndex))) {
+        const Vec3d normal(band.normal[best.node]);
+        p = pIndex - dot(pIndex - foot, normal) * normal;
+        p += kInward * (foot - p);
+        const BandCell cell = cellAt(band, p);
+        if (std::any_of(cell.node.begin(), cell.node.end(),
+                        [](NodeIndex i) { return i != kNoNode; }))
+            return p;
+    }
     return ontoSurface(band, foot);
 }
 

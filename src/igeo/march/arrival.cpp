@@ -158,7 +158,8 @@ template <typename IsOf>
 Straight Reader::straight(double d, const IsOf& isOf) const {
     // Between the corners the tip of the cone is blunt, between several tips the more; where a
     // value is larger by more, the front went around something.
-    constexpr double kOtherPath = 1.2, kBlunt = 1;  // kBlunt: voxels
+    // Where the surface ends, jets of all corners may go past a tip close by.
+    constexpr double kOtherPath = 1.2, kBlunt = 1, kBluntAtRim = 3, kAtTip = 0.5;  // voxels
     const double leastCost = field_.lines.leastCost();
     const double here = metric_.anisotropic() ? 1 : metric_.at(cell_);
     Straight least;
@@ -179,9 +180,10 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
                             : metric_.anisotropic() ? costToSeed(field_, s, p_, cell_.normal, here)
                                                     : mean * r,
                      perVoxel = metric_.anisotropic() && r > 0 ? cost / r : mean;
+        const double blunt = !cell_.complete && r < kAtTip ? kBluntAtRim : kBlunt;
         const bool along = walks ? cost < kInfinity
                            : field_.atFootPoints
-                               ? flat && d - s.start <= kOtherPath * cost + kBlunt * perVoxel
+                               ? flat && d - s.start <= kOtherPath * cost + blunt * perVoxel
                                : d - s.start < 1.5 * field_.startRadius * perVoxel;
         if (along && s.start + cost < least.distance && !metric_.blocked(p_, at, cell_.normal) &&
             (walks || followsSurface(band_, p_, at)))
