@@ -52,6 +52,7 @@ JetMarch::JetMarch(std::shared_ptr<const JetCore> core, const std::vector<Surfac
       lastDiscBucket_(bucketOf(jets_.seeds.largestInDisc)),
       isotropic_(core_.stretch.empty()),
       weighted_(core_.metric.weighted()),
+      onMesh_(core_.band.triangles != nullptr),
       ofOnePoint_(jets_.seeds.lines.ofOnePoint()),
       leastCost2_(float(jets_.seeds.lines.leastCost() * jets_.seeds.lines.leastCost())),
       heaviest_(core_.leastCost) {
@@ -209,19 +210,17 @@ JetNeighbor JetMarch::inStretchedChart(NodeIndex i, const JetLink& link) const {
     return stretched(core_.stretch[i], n);
 }
 
-bool JetMarch::mayGoRound(NodeIndex i, const JetRows::Row& row, const JetGroup::Solution& s) const {
-    constexpr float kDetour = 0.1f;
-    if (!(s.detour > kDetour && isotropic_ && !core_.costsVary) ||
-        core_.nodes[i].obstacleState != Metric::Clear)
+bool JetMarch::mayGoRound(NodeIndex i, const JetRows::Row& row) const {
+    if (!isotropic_ || core_.costsVary || core_.nodes[i].obstacleState != Metric::Clear)
         return false;
-    if (core_.band.triangles) return knowsCrease(row) || isAtRim(i);
+    if (onMesh_) return knowsCrease(row) || isAtRim(i);
     return core_.band.foot.empty() && knowsCrease(row);
 }
 
 bool JetMarch::isMisplaced(NodeIndex i, const JetRows::Row& row, const JetGroup::Solution& s,
                            bool overCrease) const {
     constexpr float kOff = 0.05f, kOffFacets = 0.002f, kOffStretched = 0.25f;  // voxels
-    if (!core_.band.triangles || !core_.isEven()) return false;
+    if (!core_.isEven()) return false;
     // The fallback takes stretched links for what they are, as long as a walk.
     if (!overCrease && (s.usedFallback || !(core_.nodes[i].facing & Band::kStretched)))
         return false;
@@ -441,6 +440,7 @@ IGEO_INLINE JetState JetMarch::stateOf(const Result& s, const Batch& batch) cons
 }
 
 void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
+    constexpr float kDetour = 0.1f;
     gather(batch, group);
     if (isotropic_)
         group.jets.fill([&](JetLanes& lanes) {
@@ -454,11 +454,9 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
         if (isFolded(i) || (s.oneSided && (isInShadow(group.rows.of[lane], s) || isAtRim(i) ||
                                            comesSideways(i, group.rows.of[lane], s))))
             s = group.jets.solveAtRim(lane);
-        if (const JetRows::Row& row = group.rows.of[lane]; mayGoRound(i, row, s))
-            s = overTwoLinks(i, row, batch, s);
-        if (const JetRows::Row& row = group.rows.of[lane];
-            isMisplaced(i, row, s, group.overCrease[lane]))
-            s = solveByWalks(i, row, s);
+        const JetRows::Row& row = group.rows.of[lane];
+        if (s.detour > kDetour && mayGoRound(i, row)) s = overTwoLinks(i, row, batch, s);
+        if (onMesh_ && isMisplaced(i, row, s, group.overCrease[lane])) s = solveByWalks(i, row, s);
         if (!isotropic_) s.g = core_.stretch[i].covectorBack(s.g);
         settle(lane, group, {s.u * group.weight[lane], s.g, s.source, s.usedFallback, s.frontsMeet},
                batch, chunk);

@@ -133,10 +133,11 @@ private:
     void solveGroup(const Batch& batch, Group& group, Chunk& chunk);
     /// Sorts the links of the nodes, and begins them in Group::jets.
     void gather(const Batch& batch, Group& group);
-    /// Whether the value of a node may come from neighbors beside its ray alone, as beside creases
-    /// no other node of the core is next to it. On a mesh also two links from a crease: a front
-    /// that fans out around a corner there turns too much from neighbor to neighbor.
-    bool mayGoRound(NodeIndex i, const JetRows::Row& row, const JetGroup::Solution& s) const;
+    /// Whether a detour (JetGroup::Solution) may come from neighbors beside its ray alone, as
+    /// beside creases no other node of the core is next to it. On a mesh also two links from a
+    /// crease: a front that fans out around a corner there turns too much from neighbor to
+    /// neighbor.
+    bool mayGoRound(NodeIndex i, const JetRows::Row& row) const;
     /// The least of a solution and of what nodes up to two links away carry: along straight lines
     /// on S, and on a mesh over walks.
     JetGroup::Solution overTwoLinks(NodeIndex i, const JetRows::Row& row, const Batch& batch,
@@ -248,7 +249,7 @@ private:
     const StartDiscs discs_;
     const float width_;                   ///< of a bucket: half a voxel at the least cost
     const std::uint32_t lastDiscBucket_;  ///< nodes of a disc wait there or earlier
-    const bool isotropic_, weighted_;
+    const bool isotropic_, weighted_, onMesh_;
     const bool ofOnePoint_;  ///< the only source is one
     /// Its voxel, and where it is from there.
     Registers<4>::Integers seedVoxel_{};
