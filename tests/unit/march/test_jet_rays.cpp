@@ -190,13 +190,22 @@ TEST_CASE("solveByRays: nothing beside the end of S, and nothing near a seed") {
     CHECK(inside > 50);
     CHECK(refusedInside == 0);
 
-    MeetingPoint point{0, 0, {}, {TangentFrame({0, 0, 1}), 1, {}}, 0, 10};
+    std::vector<MeetingPoint> points(4, {0, 0, {}, {TangentFrame({0, 0, 1}), 1, {}}, 0, 10});
     const auto at = [](double u) { return JetNeighbor{{1, 0}, {1, 0}, u}; };
-    point.findFronts(std::array{at(10.9), at(20)});
-    CHECK(point.fronts.count == 0);
-    point.findFronts(
-        std::array{at(20), JetNeighbor{{0, 1}, {0, 1}, 20.1}, JetNeighbor{{-1, 0}, {-1, 0}, 20.3}});
-    CHECK(point.fronts.count == 2);  // the last one arrives too late
+    FrontsAtPoints arriving;
+    arriving.add(0, std::array{at(10.9), at(20)});
+    arriving.add(1, std::array{at(20), JetNeighbor{{0, 1}, {0, 1}, 20.1},
+                               JetNeighbor{{-1, 0}, {-1, 0}, 20.3}});
+    arriving.add(3, std::array{at(30)});
+    arriving.finish(points);
+    CHECK(points[0].fronts.count == 0);
+    CHECK(points[1].fronts.count == 2);  // the last one arrives too late
+    CHECK(points[2].fronts.count == 0);
+    CHECK(points[3].fronts.count == 1);  // beside points with more neighbors
+    arriving.add(2, std::array{at(30), JetNeighbor{{0, 1}, {0, 1}, 30.1}});
+    arriving.finish(points);
+    CHECK(points[2].fronts.count == 2);
+    CHECK(points[3].fronts.count == 1);
 }
 
 }  // namespace igeo::test

@@ -43,6 +43,8 @@ void Extension::extendTo(Group& group, std::size_t lane, const CarriedJets& carr
     }
     if (simple)
         finishOrInDisc(node, s);
+    else if (jets_.meetings && lifted_.empty())
+        group.waiting.push_back(node);
     else
         addDoubtful(node, group);
 }
@@ -137,8 +139,8 @@ void Extension::extendLeaf(LeafIndex l, Group& group, NodeJet* to) const {
     const LeafNodes& core = band_.leaves[l].core;
     const Ijk origin = band_.leaves[l].origin;
     for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane) group.feet.setLeaf(lane, origin);
-    // Which nodes are in the core changes from one to the next: first lists of both, without
-    // branches, of offsets and 2^16 times places among the nodes.
+    // Which nodes are in the core changes from one to the next: first lists of
+    // both, without branches, of offsets and 2^16 times places among the nodes.
     std::array<std::uint32_t, 512> inCore, outside;
     std::size_t coreCount = 0, outsideCount = 0;
     const NodeIndex first = band_.leaves[l].band.firstNode;
@@ -175,7 +177,8 @@ void Extension::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
 void Extension::add(NodeIndex k, JetNeighbor jet, float cosine, const LocalFrame& local,
                     Around& around) const {
     constexpr float kSmooth = 0.9f;
-    // Relative to the least start: near a source the solve takes u for the distance to it.
+    // Relative to the least start: near a source the solve takes u for the
+    // distance to it.
     jet.u = (valueOf(k) - jets_.seeds.leastStart) / local.weight;
     around.node[around.count++] = {jet, jets_.labelOf(k), cosine < kSmooth, k};
 }
@@ -195,10 +198,8 @@ void Extension::addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const
 
 void Extension::addNeighbor(const BoxLanes& box, std::size_t k, const LocalFrame& local,
                             Around& around) const {
-    const bool laidOut = core_.stretch.empty() && !lifted_.empty() &&
-                         box.cosine[k] >= TangentFrame::creaseCosine(band_.faceted);
     const NodeIndex j = box.node[k];
-    if (laidOut)
+    if (box.cosine[k] >= laidOutFrom_)
         add(j, {{box.ax[k], box.ay[k]}, {box.gx[k], box.gy[k]}}, box.cosine[k], local, around);
     else
         addNeighbor(j, box.chord(k), box.cosine[k], gradientOf(j), local, around);
@@ -225,9 +226,10 @@ Extension::Found Extension::carryInPlane(const Group& group, std::size_t lane) c
 }
 
 Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
-    // The core around such a node has been reached from its seed, but maybe along another path,
-    // around a wall.
-    constexpr double kOtherPath = 1.2, kBlunt = 0.5, kDoubtful = 1.5;  // but kOtherPath: voxels
+    // The core around such a node has been reached from its seed, but maybe along
+    // another path, around a wall.
+    constexpr double kOtherPath = 1.2, kBlunt = 0.5,
+                     kDoubtful = 1.5;  // but kOtherPath: voxels
     const JetSeeds& seeds = jets_.seeds;
     const Vec3d foot = band_.footPoint(i);
     const LocalFrame local = core_.localFrameInBand(i);
@@ -270,12 +272,14 @@ bool Extension::gatherAround(Doubtful::Node& node, const LeafNumbers<2>* core, c
         band_.forBox(&BandLeaf::core, at.leaf, at.offset, middle, reach,
                      [&](NodeIndex k, const Ijk& step) { box.add(k, step - middle); });
     layOut(core_, lifted_, band_.footOf(at.node), middle, node.local, box);
+    const bool clear = metric_.clear(at.node),
+               mayBeApart = !clear || band_.facing[at.node] & Band::kBesideSevered;
     bool onSheet = false;
     box.forOnSheet([&](std::size_t k) {
         const JetNode& other = core_.nodes[box.node[k]];
-        if (!isJoined(at.node, other) ||
-            (!metric_.clear(at.node) && isHidden(core_, other, band_.footPoint(at.node),
-                                                 node.local.frame.normal() + other.normal)))
+        if (mayBeApart && (!isJoined(at.node, other) ||
+                           (!clear && isHidden(core_, other, band_.footPoint(at.node),
+                                               node.local.frame.normal() + other.normal))))
             return;
         onSheet = true;
         if (jets_.accepted(box.node[k]) && !node.around.full())
@@ -284,11 +288,24 @@ bool Extension::gatherAround(Doubtful::Node& node, const LeafNumbers<2>* core, c
     return onSheet;
 }
 
+void Extension::addWaiting(Group& group) const {
+    std::vector<NodeIndex> meetings;
+    for (const Outside& at : group.waiting)
+        band_.forBox(&BandLeaf::core, at.leaf, at.offset, roundToIjk(Vec3d(band_.footOf(at.node))),
+                     1, [&](NodeIndex k, const Ijk&) {
+                         if (jets_.meetings->at(k)) meetings.push_back(k);
+                     });
+    if (!meetings.empty()) jets_.meetings->findAhead(jets_, meetings);
+    for (const Outside& at : group.waiting) addDoubtful(at, group);
+    group.waiting.clear();
+}
+
 void Extension::addDoubtful(const Outside& at, Group& group) const {
     Doubtful& doubtful = group.doubtful;
     const NodeIndex i = at.node;
     Doubtful::Node& node = doubtful.nodes.emplace_back(at, core_.localFrameInBand(i));
-    // Where the foot point is off, the core passes within two voxels all the same.
+    // Where the foot point is off, the core passes within two voxels all the
+    // same.
     const Ijk middle = roundToIjk(Vec3d(band_.footOf(i)));
     if (!gatherAround(node, group.core, middle, 1)) gatherAround(node, group.core, {}, 2);
     if (node.around.count == 0) {
@@ -311,32 +328,34 @@ void Extension::solveDoubtful(Group& group) const {
     Doubtful& doubtful = group.doubtful;
     if (doubtful.nodes.empty()) return;
     const JetGroup::Solutions solutions = doubtful.fronts.solve();
+    FrontsAtPoints fronts;
     for (std::size_t k = 0; k < doubtful.nodes.size(); ++k) {
         const Doubtful::Node& node = doubtful.nodes[k];
         const JetGroup::Solution& best = solutions[k];
         const double u = node.around.node[0].jet.u + double(best.u);
         const Found s = fromChart(u, best.g, best.source, node.local);
         if (frontsMeet(node, best.g))
-            addMeeting(node, u, s, group.meetings);
+            addMeeting(node, u, s, group.meetings, fronts);
         else
             finishOrInDisc(node.at, s);
     }
+    fronts.finish(group.meetings.points);
     doubtful.nodes.clear();
 }
 
 void Extension::addMeeting(const Doubtful::Node& node, double u, const Found& before,
-                           Meetings& meetings) const {
+                           Meetings& meetings, FrontsAtPoints& fronts) const {
     const Outside& at = node.at;
-    MeetingPoint point{at.leaf, at.offset, band_.footOf(at.node), node.local, before.label, u};
     std::array<JetNeighbor, JetNeighbors::kMax> neighbors;
     for (std::size_t k = 0; k < node.around.count; ++k) {
         const Around::Node& n = node.around.node[k];
         if (n.source != before.label) return finishOrInDisc(at, before);
         neighbors[k] = n.jet;
     }
-    point.findFronts({neighbors.data(), node.around.count});
+    fronts.add(meetings.points.size(), {neighbors.data(), node.around.count});
     meetings.nodes.push_back({at, before});
-    meetings.points.push_back(point);
+    meetings.points.push_back(
+        {at.leaf, at.offset, band_.footOf(at.node), node.local, before.label, u});
 }
 
 void Extension::solveMeetings(Meetings& meetings) const {

@@ -15,7 +15,8 @@
 
 namespace igeo::jet {
 
-/// Nodes around a foot point that have a jet, in its chart, with the sources of their fronts.
+/// Nodes around a foot point that have a jet, in its chart, with the sources of
+/// their fronts.
 struct Around {
     struct Node {
         JetNeighbor jet;
@@ -48,7 +49,8 @@ struct Around {
 /// Gives nodes outside the core the jets of the core around their foot points.
 class Extension {
 public:
-    /// @param lifted  liftedOf(jets), or empty: those that are needed are computed
+    /// @param lifted  liftedOf(jets), or empty: those that are needed are
+    /// computed
     Extension(const CoreJets& jets, const LiftedJets& lifted)
         : jets_(jets),
           core_(*jets.core),
@@ -57,6 +59,9 @@ public:
           lifted_(lifted),
           feetFromPsi_(band_.foot.empty()),
           weighted_(metric_.weighted()),
+          laidOutFrom_(core_.stretch.empty() && !lifted.empty()
+                           ? TangentFrame::creaseCosine(band_.faceted)
+                           : 2),
           mayBePlain_(jets.label.empty() && jets.seeds.lines.ofOnePoint() &&
                       !metric_.anisotropic() && metric_.obstacleState.empty()),
           line_(jets.seeds.lines.only()) {}
@@ -70,7 +75,8 @@ public:
         unsigned offset;
         NodeJet* to;
     };
-    /// Where what the core carries is in doubt: nodes that are solved as in the march.
+    /// Where what the core carries is in doubt: nodes that are solved as in the
+    /// march.
     struct Doubtful {
         struct Node {
             Outside at;
@@ -100,17 +106,20 @@ public:
         JetCorners corners;
         Doubtful doubtful;
         Meetings meetings;
+        std::vector<Outside> waiting;  ///< in doubt, until jets by rays are found for all of them
 
         bool full() const { return size == nodes.size(); }
     };
     /// The jets of the nodes of a leaf.
-    /// @param group  of size 0, with the numbers of the leaf; takes the nodes that are left to
+    /// @param group  of size 0, with the numbers of the leaf; takes the nodes
+    /// that are left to
     ///               finish()
     /// @param to     a jet per node
     void extendLeaf(LeafIndex l, Group& group, NodeJet* to) const;
     /// Extends what is left in a group.
     void finish(Group& group) const {
         solve(group);
+        addWaiting(group);
         solveDoubtful(group);
         solveMeetings(group.meetings);
     }
@@ -167,7 +176,8 @@ private:
     void solve(Group& group) const;
     /// The numbers of the core nodes around the foot points.
     IGEO_INLINE void findCorners(Group& group) const;
-    /// Whether the carried jet of a node is all there is to it, but for its bound. For most nodes.
+    /// Whether the carried jet of a node is all there is to it, but for its
+    /// bound. For most nodes.
     bool isPlain(const Group& group, std::size_t lane) const {
         return group.feet.plain[lane] && !mayMissFront(group, lane) &&
                !(band_.facing[group.nodes[lane].node] & Band::kBesideSevered);
@@ -176,11 +186,12 @@ private:
     /// Whether all corners of a node are of one smooth sheet and of one source.
     IGEO_INLINE bool isSimple(const Group& group, std::size_t lane) const;
     void solveDoubtful(Group& group) const;
-    void addMeeting(const Doubtful::Node& node, double u, const Found& before,
-                    Meetings& meetings) const;
+    void addMeeting(const Doubtful::Node& node, double u, const Found& before, Meetings& meetings,
+                    FrontsAtPoints& fronts) const;
     /// By rays, where these find a jet.
     void solveMeetings(Meetings& meetings) const;
-    /// Sets the jet of a node, or that of a start disc which holds its foot point.
+    /// Sets the jet of a node, or that of a start disc which holds its foot
+    /// point.
     void finishOrInDisc(const Outside& at, const Found& s) const {
         finish(at, maybeInDisc(at.node, s.distance) ? inDisc(at.node, s) : s);
     }
@@ -209,6 +220,9 @@ private:
     Around around(const Group& group, std::size_t lane, const LocalFrame& local) const;
     /// What they carry there, with tensors.
     Found carryInPlane(const Group& group, std::size_t lane) const;
+    /// Finds the jets of the core by rays around the nodes that wait, and adds
+    /// these as in doubt.
+    void addWaiting(Group& group) const;
     /// Where the core around the foot point is not of one smooth front.
     void addDoubtful(const Outside& node, Group& group) const;
     /// Whether fronts meet beside one of the corners.
@@ -219,8 +233,8 @@ private:
                 meet |= jets_.frontsMeetNear(group.corners.node[c][lane]);
         return meet;
     }
-    /// Whether the foot point is that of its only corner, as on planes along the axes: the march
-    /// has solved it.
+    /// Whether the foot point is that of its only corner, as on planes along the
+    /// axes: the march has solved it.
     static bool isAtCorner(const Group& group, std::size_t lane) {
         constexpr float kSame2 = 1e-6f;
         const Vec3f chord = group.corners.chord(lane, 0);
@@ -230,7 +244,8 @@ private:
     bool mayMissFront(const Group& group, std::size_t lane) const {
         return group.corners.count[lane] < 3 && meetNear(group, lane) && !isAtCorner(group, lane);
     }
-    /// Whether fronts meet across a node, where S is smooth and without obstacles.
+    /// Whether fronts meet across a node, where S is smooth and without
+    /// obstacles.
     /// @param g  direction of travel there
     bool frontsMeet(const Doubtful::Node& node, Vec2f g) const {
         const Around& around = node.around;
@@ -263,7 +278,8 @@ private:
     const Metric& metric_;
     const LiftedJets& lifted_;
     const bool feetFromPsi_, weighted_;
-    const bool mayBePlain_;  ///< one source at a point, isotropic, no obstacles
+    const float laidOutFrom_;  ///< cosine from which BoxLanes has neighbors laid out
+    const bool mayBePlain_;    ///< one source at a point, isotropic, no obstacles
     const StraightLines::Line line_;
 };
 

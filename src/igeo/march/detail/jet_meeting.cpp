@@ -40,11 +40,13 @@ bool inOneBlock(NodeIndex a, NodeIndex b) { return a / JetLinks::kBlock == b / J
 /// The links of the core after a march.
 class Links {
 public:
-    /// @param own  of the march, where the core has none: made again where they are needed, and
+    /// @param own  of the march, where the core has none: made again where they
+    /// are needed, and
     ///             only as long
     Links(const JetCore& core, JetLinks& own) : core_(core), own_(own) {}
 
-    /// Makes the rows of the first of some ascending nodes and of those in its block.
+    /// Makes the rows of the first of some ascending nodes and of those in its
+    /// block.
     void make(std::span<const NodeIndex> nodes) const {
         if (!core_.links.empty()) return;
         std::uint64_t rows = 0;
@@ -67,7 +69,8 @@ private:
     JetLinks& own_;
 };
 
-/// Ends of parts of a list of ascending nodes: each block of links belongs to one.
+/// Ends of parts of a list of ascending nodes: each block of links belongs to
+/// one.
 std::vector<std::size_t> partsOf(std::span<const NodeIndex> nodes) {
     constexpr std::size_t kPart = 256;
     std::vector<std::size_t> ends;
@@ -79,7 +82,8 @@ std::vector<std::size_t> partsOf(std::span<const NodeIndex> nodes) {
 
 class MeetingSearch {
 public:
-    /// @param near  gets a mark where fronts meet, and at nodes that are linked to these
+    /// @param near  gets a mark where fronts meet, and at nodes that are linked
+    /// to these
     MeetingSearch(const CoreJets& jets, JetLinks& own, Marks& near)
         : jets_(jets), core_(*jets.core), links_(core_, own), near_(near), seen_(near.size()) {}
 
@@ -211,7 +215,10 @@ std::size_t Meetings::indexOf(NodeIndex k) const {
     return std::size_t(at - list_.begin());
 }
 
-void Meetings::solve(const CoreJets& jets, std::span<const std::size_t> which) const {
+void Meetings::solve(const CoreJets& jets, std::vector<std::size_t> which) const {
+    if (which.empty()) return;
+    std::sort(which.begin(), which.end());
+    which.erase(std::unique(which.begin(), which.end()), which.end());
     std::vector<MeetingPoint> points;
     points.reserve(which.size());
     for (const std::size_t m : which) points.push_back(pointOf(jets, list_[m]));
@@ -241,10 +248,15 @@ void Meetings::find(const CoreJets& jets, std::span<const NodeIndex> nodes, JetS
             open.push_back(m);
     }
     if (open.empty()) return;
-    std::sort(open.begin(), open.end());
-    open.erase(std::unique(open.begin(), open.end()), open.end());
-    solve(jets, open);
+    solve(jets, std::move(open));
     for (std::size_t k = 0; k < nodes.size(); ++k) to[k] = state_[indexOf(nodes[k])];
+}
+
+void Meetings::findAhead(const CoreJets& jets, std::span<const NodeIndex> nodes) const {
+    std::vector<std::size_t> open;
+    for (const NodeIndex k : nodes)
+        if (const std::size_t m = indexOf(k); !isSolved(m)) open.push_back(m);
+    solve(jets, std::move(open));
 }
 
 void Meetings::solveAll(const CoreJets& jets) const {
@@ -252,7 +264,7 @@ void Meetings::solveAll(const CoreJets& jets) const {
         std::vector<std::size_t> open;
         for (std::size_t m = begin; m < end; ++m)
             if (!isSolved(m)) open.push_back(m);
-        if (!open.empty()) solve(jets, open);
+        solve(jets, std::move(open));
     });
 }
 

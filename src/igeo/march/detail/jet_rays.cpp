@@ -43,7 +43,8 @@ struct RaySearch {
                     least = isFirst ? 1 : kFlat;
         const float next = std::clamp(angle / std::max(-slope, least), -kMostTurn, kMostTurn);
         const Vec2f corrected = rotated(direction, next);
-        // Twice what the next ray will gain, which is known where the front spreads.
+        // Twice what the next ray will gain, which is known where the front
+        // spreads.
         const float gain = kLength * angle * next;
         const bool isSure = slope < -1 && gain < kSureGain;
         done = isSure || gain < kGain || rays == kMostRays;
@@ -149,20 +150,32 @@ private:
 
 }  // namespace
 
-void MeetingPoint::findFronts(std::span<const JetNeighbor> neighbors) {
-    Arrivals arrivals;
-    fronts = {};
-    for (const JetNeighbor& n : neighbors) {
-        if (n.u < kNearSeed) return;
+void FrontsAtPoints::add(std::size_t point, std::span<const JetNeighbor> neighbors) {
+    if (std::any_of(neighbors.begin(), neighbors.end(),
+                    [](const JetNeighbor& n) { return n.u < MeetingPoint::kNearSeed; }))
+        return;
+    const std::size_t lane = size_++;
+    point_[lane] = point;
+    for (std::size_t k = 0; k < neighbors.size(); ++k) {
+        const JetNeighbor& n = neighbors[k];
+        Arrivals::Neighbor& to = arrivals_.neighbor[k];
+        if (k == arrivals_.count) {
+            ++arrivals_.count;
+            to.gx = to.gy = {};
+            std::fill_n(to.u.of, Lanes::kNodes, JetFronts::kNoValue);
+        }
         const float along = dot(n.g, n.a);
-        Arrivals::Neighbor& to = arrivals.neighbor[arrivals.count++];
-        to.u = {}, to.gx = {}, to.gy = {};
-        to.gx[0] = n.g.x, to.gy[0] = n.g.y;
-        to.u[0] = along > 0 ? float(n.u - neighbors[0].u) + along : JetFronts::kNoValue;
+        to.gx[lane] = n.g.x, to.gy[lane] = n.g.y;
+        if (along > 0) to.u[lane] = float(n.u - neighbors[0].u) + along;
     }
+}
+
+void FrontsAtPoints::finish(std::span<MeetingPoint> points) {
+    if (size_ == 0) return;
     ArrivingFronts found;
-    igeo::findFronts(arrivals, found);
-    fronts = found.at(0);
+    findFronts(arrivals_, found);
+    for (std::size_t lane = 0; lane < size_; ++lane) points[point_[lane]].fronts = found.at(lane);
+    size_ = arrivals_.count = 0;
 }
 
 std::vector<std::optional<Solved>> solveByRays(const CoreJets& jets,

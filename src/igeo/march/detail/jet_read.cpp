@@ -24,14 +24,22 @@ public:
     void add(const Vec3d& p, const Vec3f& normal, Arrival& to) {
         const std::size_t lane = size_++;
         asked_[lane] = {&p, &to};
-        const Ijk low = floorToIjk(p);
-        if (leaf_ == kNoLeaf || low.x >> 3 != at_.x || low.y >> 3 != at_.y || low.z >> 3 != at_.z)
-            leaf_ = band_.leafAt(low), at_ = {low.x >> 3, low.y >> 3, low.z >> 3};
+        const Ijk low = findCorners(p, lane);
         points_.setPlace(lane, Vec3f(p - Vec3d(low)));
         points_.setNormal(lane, normal);
-        points_.clearNodes(lane);
-        if (leaf_ != kNoLeaf) findCorners(low, lane);
         if (size_ == Lanes::kNodes) finish();
+    }
+    /// Finds the jets around points ahead where fronts meet.
+    void lookAhead(std::span<const Vec3d> points) {
+        if (!jets_.meetings || !lifted_.empty()) return;
+        std::vector<NodeIndex> meetings;
+        for (const Vec3d& p : points) {
+            findCorners(p, 0);
+            for (const auto& corner : points_.node)
+                if (const NodeIndex k = corner[0]; k != kNoNode && jets_.meetings->at(k))
+                    meetings.push_back(k);
+        }
+        jets_.meetings->findAhead(jets_, meetings);
     }
     void finish() {
         if (size_ == 0) return;
@@ -53,7 +61,16 @@ private:
         Arrival* to = nullptr;
     };
 
-    void findCorners(const Ijk& low, std::size_t lane) {
+    /// @return the low corner of the cell around a point
+    Ijk findCorners(const Vec3d& p, std::size_t lane) {
+        const Ijk low = floorToIjk(p);
+        if (leaf_ == kNoLeaf || low.x >> 3 != at_.x || low.y >> 3 != at_.y || low.z >> 3 != at_.z)
+            leaf_ = band_.leafAt(low), at_ = {low.x >> 3, low.y >> 3, low.z >> 3};
+        points_.clearNodes(lane);
+        if (leaf_ != kNoLeaf) findCornersInLeaf(low, lane);
+        return low;
+    }
+    void findCornersInLeaf(const Ijk& low, std::size_t lane) {
         const unsigned at = Band::offsetOf(low.x, low.y, low.z);
         if (std::max({low.x & 7, low.y & 7, low.z & 7}) == 7)
             return band_.forCorners(&BandLeaf::core, leaf_, at, {},
@@ -218,6 +235,7 @@ std::vector<std::size_t> ArrivalReader::readFromCore(std::span<const Vec3d> poin
     }
     std::vector<Arrival*> met;
     CoreReader reader(*field_.jets, *lifted_, tolerance >= kAtMeeting ? &met : nullptr);
+    reader.lookAhead(points);
     for (std::size_t i = 0; i < points.size(); ++i) reader.add(points[i], sheetNormals[i], to[i]);
     reader.finish();
     for (const Arrival* at : reader.left) left.push_back(std::size_t(at - to));

@@ -64,19 +64,10 @@ public:
     /// @param severed  bits of SeveredLinks: steps to leave out
     template <typename Visit>
     void forNeighbors(unsigned offset, std::uint32_t severed, const Visit& visit) const {
-        // Which there are changes from node to node: first a set without branches, by rows of
-        // three.
         const int middle = indexOf(voxelOf(offset));
-        typedef int Row __attribute__((vector_size(16)));
-        Row there{};
-        for (unsigned k = 0; k < 27; k += 3) {
-            Row row;
-            std::memcpy(&row, &number_[std::size_t(middle + kSteps.index[k])], sizeof row);
-            there |= (row != int(kNoNode)) & (Row{1, 2, 4, 0} << int(k));
-        }
         constexpr unsigned kMiddle = 1u << 13;
-        for (unsigned found = unsigned(there[0] | there[1] | there[2]) & ~(kMiddle | severed);
-             found; found &= found - 1) {
+        for (unsigned found = nodesAround(middle) & ~(kMiddle | severed); found;
+             found &= found - 1) {
             const auto k = unsigned(std::countr_zero(found));
             visit(at(middle + kSteps.index[k]), kSteps.code[k]);
         }
@@ -100,6 +91,13 @@ public:
                            StepCode* step) const {
         const int first = indexOf(voxelOf(offset) + middle);
         std::size_t count = 0;
+        if (reach == 1) {
+            for (unsigned found = nodesAround(first); found; found &= found - 1) {
+                const auto k = unsigned(std::countr_zero(found));
+                node[count] = at(first + kSteps.index[k]), step[count++] = kSteps.boxStep[k];
+            }
+            return count;
+        }
         for (int x = -reach; x <= reach; ++x)
             for (int y = -reach; y <= reach; ++y)
                 for (int z = -reach; z <= reach; ++z) {
@@ -114,15 +112,28 @@ private:
     static constexpr Ijk voxelOf(unsigned offset) {
         return {int(offset >> 6), int(offset >> 3 & 7), int(offset & 7)};
     }
+    /// Bits: the voxels at and around an index that have a number, in the order of the steps.
+    unsigned nodesAround(int middle) const {
+        // Which there are changes from node to node: without branches, by rows of three.
+        typedef int Row __attribute__((vector_size(16)));
+        Row there{};
+        for (unsigned k = 0; k < 27; k += 3) {
+            Row row;
+            std::memcpy(&row, &number_[std::size_t(middle + kSteps.index[k])], sizeof row);
+            there |= (row != int(kNoNode)) & (Row{1, 2, 4, 0} << int(k));
+        }
+        return unsigned(there[0] | there[1] | there[2]);
+    }
     /// The steps to a voxel and to all around it.
     struct Steps {
         std::array<int, 27> index{};
-        std::array<StepCode, 27> code{};
+        std::array<StepCode, 27> code{}, boxStep{};
         constexpr Steps() {
             for (int k = 0; k < 27; ++k) {
                 const int x = k / 9, y = k / 3 % 3, z = k % 3;
                 index[std::size_t(k)] = indexOfStep({x - 1, y - 1, z - 1});
                 code[std::size_t(k)] = StepCode(x << 4 | y << 2 | z);
+                boxStep[std::size_t(k)] = LeafNumbers::boxStep({x - 1, y - 1, z - 1});
             }
         }
     };
