@@ -183,7 +183,7 @@ void chooseFaces(const MeshBand& on, Band& band) {
     });
 }
 
-/// Adds straight lines, where links and bridges do not go on with the mesh.
+/// Adds lines where links and bridges do not go on with the mesh.
 void addWays(const MeshBand& on, Band& band, Progress& progress) {
     const std::vector<NodeIndex> open = openOnMesh(on, progress);
     if (open.empty()) return;

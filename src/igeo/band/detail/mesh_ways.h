@@ -1,4 +1,4 @@
-/// Straight lines between nodes over the triangles of a mesh, where voxels cannot hold its sheets.
+/// Lines between nodes over the triangles of a mesh, where voxels cannot hold its sheets.
 #pragma once
 
 #include <igeo/band/detail/short_walk.h>
@@ -10,7 +10,8 @@
 
 namespace igeo {
 
-/// A straight line on triangles laid flat.
+/// A line on triangles laid flat: straight, or straight from each vertex that it goes around to the
+/// next.
 struct MeshWay {
     NodeIndex from, to;
     WalkEnds line;
@@ -28,14 +29,14 @@ struct NodesOnTriangles {
     }
 };
 
-/// The straight lines of a band, and the core nodes around.
+/// The lines of a band, and the core nodes around.
 struct MeshWays {
     static constexpr double kReach = 12;  ///< longest line, voxels
 
     std::vector<MeshWay> ways;  ///< in both directions, sorted by their ends
     NodesOnTriangles nodes;
 
-    /// Calls visit(line) for the straight lines to a node.
+    /// Calls visit(line) for the lines to a node.
     template <typename Visit>
     void forTo(NodeIndex i, const Visit& visit) const {
         auto at = std::lower_bound(ways.begin(), ways.end(), i,

@@ -152,7 +152,8 @@ private:
             !hasWays(band, cellAt(band, seed_.pIndex)))
             return;
         const auto at = band.triangles->nearest(seed_.pIndex);
-        const MeshFan fan(*band.triangles, MeshPoint{at.triangle, at.point}, MeshWays::kReach);
+        const MeshFan fan(*band.triangles, MeshPoint{at.triangle, at.point}, MeshWays::kReach,
+                          AtVertex::GoAround);
         WalkEnds way;
         for (std::size_t k = 0; k < fan.parts().size(); ++k)
             band.ways->nodes.forOn(fan.parts()[k].triangle, [&](NodeIndex node) {

@@ -235,6 +235,10 @@ JetsByWalks::First JetsByWalks::first(std::uint32_t source) {
         for (const Carried& carried : jets_)
             if (carried.source == source && carried.face == face) on.push_back(&carried);
         if (on.empty()) continue;
+        // Those that come first, where there are more than fermatUpdate takes.
+        std::stable_sort(on.begin(), on.end(), [](const Carried* a, const Carried* b) {
+            return a->jet.u + double(length(a->jet.a)) < b->jet.u + double(length(b->jet.a));
+        });
         const Jet jet = firstOnFace(on, kPairs);
         if (const double d = here_ * jet.u; d < first.distance)
             first = {d, Vec3d(TangentFrame(Vec3f(faceNormal_[face])).lift(jet.g)),
@@ -269,7 +273,8 @@ std::vector<Seen> seenFrom(const Field& field, const SurfaceTriangles::Place& at
                            bool withCrossings) {
     const Band& band = *field.band;
     const SurfaceTriangles& triangles = *band.triangles;
-    const MeshFan fan(triangles, MeshPoint{at.triangle, at.point}, MeshWays::kReach);
+    const MeshFan fan(triangles, MeshPoint{at.triangle, at.point}, MeshWays::kReach,
+                      AtVertex::GoAround);
     std::vector<std::pair<std::uint32_t, std::size_t>> seeds;
     field.seedsNear.forNear(at.point, [&](std::size_t k) {
         const SurfacePoint& s = field.seeds[k];

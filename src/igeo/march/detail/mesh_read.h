@@ -102,20 +102,20 @@ private:
     std::vector<Vec3d> faceNormal_;
 };
 
-/// Whether an obstacle blocks the straight line of a fan to a point of its part k.
+/// Whether an obstacle blocks the line of a fan to a point of its part k.
 bool isBlocked(const Metric& metric, const SurfaceTriangles& triangles,
                const MeshFan<SurfaceTriangles>& fan, std::size_t k, const Vec3d& to);
 
-/// Whether straight lines end at a corner of a cell or beside it.
+/// Whether lines of MeshWays end at a corner of a cell or beside it.
 bool hasWays(const Band& band, const BandCell& cell);
 
-/// A node or a seed that a straight line from a point of a mesh leads to.
+/// A node or a seed that a line from a point of a mesh leads to.
 struct Seen {
     NodeIndex node = kNoNode;
     const SurfacePoint* seed = nullptr;
     NodeJet jet;                   ///< at the node or the seed
     WalkEnds line;                 ///< from there to the point
-    std::vector<Vec3d> crossings;  ///< of edges, from the point on; if asked for
+    std::vector<Vec3d> crossings;  ///< of edges, and vertices, from the point on; if asked for
 
     double distance(double weight) const { return jet.distance + weight * line.length; }
 };

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <numbers>
 #include <tuple>
+#include <unordered_set>
 
 namespace igeo {
 
@@ -53,16 +54,18 @@ void addLinks(const MeshBand& on, MeshWalk& walk, NodeIndex i, const TangentFram
     });
 }
 
-/// The nodes that straight lines from a node lead to.
+/// The nodes that lines from a node lead to.
 struct Around {
-    std::vector<MeshWay> nearest;  ///< two in each of 16 directions
-    std::vector<NodeIndex> seen;   ///< all
+    /// Straight ones to the two nearest in each of 16 directions, and all that go around vertices,
+    /// as these have few directions.
+    std::vector<MeshWay> chosen;
+    std::vector<NodeIndex> seen;  ///< all
 };
 Around lookAround(const MeshBand& on, const NodesOnTriangles& core, NodeIndex i) {
     constexpr std::size_t kDirections = 16, kMost = 2;
     const TangentFrame frame(on.band.normal[i]);
     std::vector<MeshWay> seen;
-    const Fan fan(on.adjacency, on.foot(i), MeshWays::kReach);
+    const Fan fan(on.adjacency, on.foot(i), MeshWays::kReach, AtVertex::GoAround);
     WalkEnds line;
     for (std::size_t k = 0; k < fan.parts().size(); ++k)
         core.forOn(fan.parts()[k].triangle, [&](NodeIndex j) {
@@ -73,14 +76,55 @@ Around lookAround(const MeshBand& on, const NodesOnTriangles& core, NodeIndex i)
     });
     Around around;
     std::array<std::size_t, kDirections> count{};
+    std::unordered_set<NodeIndex> nearer;
     for (const MeshWay& way : seen) {
         around.seen.push_back(way.to);
+        const bool isFirst = nearer.insert(way.to).second;
+        if (!way.line.straight) {
+            if (isFirst) around.chosen.push_back(way);
+            continue;
+        }
         const Vec2f a = frame.flat(Vec3f(way.line.out));
         const double turn = std::atan2(double(a.y), double(a.x)) / (2 * std::numbers::pi) + 0.5;
         std::size_t& here = count[std::size_t(turn * kDirections) % kDirections];
-        if (here++ < kMost) around.nearest.push_back(way);
+        if (here++ < kMost) around.chosen.push_back(way);
     }
     return around;
+}
+
+/// A vertex with more than a full turn of faces.
+struct Saddle {
+    Vec3d at;
+    double more;  ///< radians
+};
+/// Those around a leaf.
+std::vector<Saddle> saddlesAround(const MeshBand& on, LeafIndex l) {
+    std::vector<std::pair<std::uint32_t, double>> angles;  // per vertex and face
+    const MeshAdjacency& mesh = on.adjacency;
+    for (const std::uint32_t t : on.leaves[l].triangles)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3d& p = mesh.corner(t, k);
+            angles.emplace_back(mesh[t][k],
+                                angleBetween(mesh.corner(t, k + 1) - p, mesh.corner(t, k + 2) - p));
+        }
+    std::sort(angles.begin(), angles.end());
+    std::vector<Saddle> saddles;
+    for (std::size_t k = 0; k < angles.size();) {
+        const std::uint32_t vertex = angles[k].first;
+        double more = -2 * std::numbers::pi;
+        for (; k < angles.size() && angles[k].first == vertex; ++k) more += angles[k].second;
+        if (more > 0) saddles.push_back({mesh.mesh().points[vertex], more});
+    }
+    return saddles;
+}
+
+/// Whether a front bends within a voxel or two of a point by more than links can follow.
+bool isAtNeck(const std::vector<Saddle>& saddles, const Vec3d& p) {
+    constexpr double kNear = 1.7, kMost = 1;  // voxels, radians
+    double more = 0;
+    for (const Saddle& saddle : saddles)
+        if (length(saddle.at - p) < kNear) more += saddle.more;
+    return more > kMost;
 }
 
 template <typename Find>
@@ -99,11 +143,16 @@ std::vector<NodeIndex> openOnMesh(const MeshBand& on, Progress& progress) {
     constexpr double kOn = 3;        // voxels: farther off a mesh goes on behind its crease
     constexpr double kMargin = 0.5;  // radians
     const Band& band = on.band;
-    std::vector<NodeIndex> some;
+    std::vector<NodeIndex> some, atNecks;
     for (LeafIndex l = 0; l < band.leaves.size(); ++l) {
         if (on.bends[l] != LeafBend::Fold) continue;
+        const std::vector<Saddle> saddles = saddlesAround(on, l);
         band.forNodes(l, [&](NodeIndex i, unsigned) {
-            if (band.facing[i] & Band::kSevered && band.inCore(i)) some.push_back(i);
+            if (!band.inCore(i)) return;
+            if (isAtNeck(saddles, on.foot(i).at))
+                atNecks.push_back(i);
+            else if (band.facing[i] & Band::kSevered)
+                some.push_back(i);
         });
     }
     auto open = inParallel(some.size(), progress, [&](std::size_t k) -> NodeIndex {
@@ -119,6 +168,8 @@ std::vector<NodeIndex> openOnMesh(const MeshBand& on, Progress& progress) {
         return leads ? some[k] : kNoNode;
     });
     std::erase(open, kNoNode);
+    open.insert(open.end(), atNecks.begin(), atNecks.end());
+    std::sort(open.begin(), open.end());
     return open;
 }
 
@@ -146,7 +197,7 @@ MeshWays waysOnMesh(const MeshBand& on, const std::vector<NodeIndex>& open, Prog
                                   [&](std::size_t k) { return lookAround(on, core, open[k]); });
     std::vector<NodeIndex> seen(open);
     for (const Around& part : parts) {
-        for (const MeshWay& way : part.nearest) {
+        for (const MeshWay& way : part.chosen) {
             all.ways.push_back(way);
             all.ways.push_back({way.to, way.from, way.line.reversed()});
         }
