@@ -116,6 +116,15 @@ std::vector<double> straightLines(const SurfaceTriangles& triangles, const Vec3d
     return least;
 }
 
+/// A torus whose tube, of radius 0.5, is wider than its ring: it passes through itself in two
+/// necks beside the axis, of many vertices each.
+TriangleMesh spindleTorus(double ring, const Motion& motion) {
+    return test::sheet(80, 40, [&](double u, double v) {
+        const double a = 2 * kPi * (v + 0.01), q = ring + 0.5 * std::cos(a);
+        return motion({q * std::cos(2 * kPi * u), q * std::sin(2 * kPi * u), 0.5 * std::sin(a)});
+    });
+}
+
 /// Distances up to 12 voxels and their paths on bones in some places, from every second corner to
 /// all corners and to points of all faces; in voxels, and paths in % of the exact distance.
 struct OnBones {
@@ -330,6 +339,46 @@ TEST_CASE("corners of a block on a plate: distances go around them", "[mesh]") {
     CHECK(least > -0.093);  // measured -0.062
     CHECK(largest < 0.43);  // measured 0.287
     CHECK(longest < 1.53);  // measured 1.02
+}
+
+TEST_CASE("necks of a spindle torus: distances and paths through them", "[mesh]") {
+    constexpr double kVoxel = 1.0 / 100, kMost = 40 * kVoxel, kNear = 10 * kVoxel;
+    double least = 0, largest = 0, longest = 0;
+    std::size_t count = 0;
+    for (const double ring : {0.1, 0.2}) {
+        const TriangleMesh mesh = spindleTorus(ring, Motion(int(10 * ring)));
+        const SurfaceTriangles triangles = trianglesOf(mesh);
+        const GeodesicSolver solver(Surface(mesh, {.size = kVoxel}));
+        // The rows of vertices beside the two necks.
+        for (const std::size_t row : {11, 14, 25, 29}) {
+            const Vec3d seed = mesh.points[row * 40 + row];
+            const Distance d = solver.distance({seed});
+            const auto at = triangles.nearest(seed);
+            const MeshFan fan(triangles, MeshPoint{at.triangle, at.point}, kMost,
+                              AtVertex::GoAround);
+            std::vector<double> exact(mesh.points.size(), kInfinity);
+            for (std::size_t k = 0; k < fan.parts().size(); ++k)
+                for (const std::uint32_t vertex : mesh.triangles[fan.parts()[k].triangle]) {
+                    WalkEnds line;
+                    if (fan.sees(k, mesh.points[vertex], line))
+                        exact[vertex] = std::min(exact[vertex], line.length);
+                }
+            for (std::size_t v = 0; v < exact.size(); v += 7) {
+                if (!(exact[v] < kMost) || exact[v] < kNear) continue;
+                const double error = 100 * (d.at(mesh.points[v]) / exact[v] - 1);
+                least = std::min(least, error), largest = std::max(largest, error), ++count;
+                const double longer = d.path(mesh.points[v]).length / exact[v] - 1;
+                longest = std::max(longest, 100 * longer);
+            }
+        }
+    }
+    std::printf("%zu points: %.3f to %.3f %%; paths up to %.4f %% longer\n", count, least, largest,
+                longest);
+    CHECK(count == 681);
+    // With straight lines alone single ones were more than ten times too long.
+    CHECK(least > -1);      // measured -0.746
+    CHECK(largest < 0.3);   // measured 0.195
+    CHECK(longest < 0.01);  // measured 0.0010
 }
 
 }  // namespace

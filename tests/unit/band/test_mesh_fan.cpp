@@ -3,6 +3,9 @@
 #include <igeo/io/triangle_mesh.h>
 #include <support/catch.h>
 
+#include <algorithm>
+#include <numbers>
+
 namespace igeo {
 namespace {
 
@@ -11,6 +14,18 @@ SurfaceTriangles cubeCorner() {
     TriangleMesh mesh;
     mesh.points = {{0, 0, 0}, {9, 0, 0}, {9, 9, 0}, {0, 9, 0}, {9, 0, 9}, {0, 0, 9}, {0, 9, 9}};
     mesh.triangles = {{0, 3, 2}, {0, 2, 1}, {0, 1, 4}, {0, 4, 5}, {0, 5, 6}, {0, 6, 3}};
+    return SurfaceTriangles(mesh.points, mesh.triangles, meshTopology(mesh).neighbor);
+}
+
+/// A floor of three quadrants around the origin; the fourth is free, or a block is on it, of
+/// which two walls are there: five right angles around the origin.
+SurfaceTriangles floorAround(bool block) {
+    TriangleMesh mesh;
+    mesh.points = {{0, 0, 0},  {0, 9, 0}, {-9, 9, 0}, {-9, 0, 0}, {-9, -9, 0}, {0, -9, 0},
+                   {9, -9, 0}, {9, 0, 0}, {9, 0, 9},  {0, 0, 9},  {0, 9, 9}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}, {0, 5, 6}, {0, 6, 7}};
+    if (block)
+        mesh.triangles.insert(mesh.triangles.end(), {{0, 7, 8}, {0, 8, 9}, {0, 9, 10}, {0, 10, 1}});
     return SurfaceTriangles(mesh.points, mesh.triangles, meshTopology(mesh).neighbor);
 }
 
@@ -27,6 +42,13 @@ std::vector<WalkEnds> linesTo(const SurfaceTriangles& triangles,
             lines.push_back(line);
     }
     return lines;
+}
+/// The shortest of them.
+WalkEnds shortest(const std::vector<WalkEnds>& lines) {
+    REQUIRE(!lines.empty());
+    return *std::min_element(lines.begin(), lines.end(), [](const WalkEnds& a, const WalkEnds& b) {
+        return a.length < b.length;
+    });
 }
 
 TEST_CASE("MeshFan: lines end at a vertex, in the triangle from which they come") {
@@ -52,6 +74,50 @@ TEST_CASE("MeshFan: points behind the edges of a cube are seen over both planes 
         double least = kInfinity;
         for (const WalkEnds& line : lines) least = std::min(least, line.length);
         CHECK(least == Approx(std::hypot(to.x - from.x, to.z + from.y)));
+    }
+}
+
+TEST_CASE("MeshFan: behind a vertex with more than a full turn of faces lines go around it") {
+    const SurfaceTriangles triangles = floorAround(true);
+    const Vec3d from{0, 1, 1};  // 45 degrees above the floor: the shadow is 135 to 225 around
+    const auto at = triangles.nearest(from);
+    const MeshFan fan(triangles, MeshPoint{at.triangle, at.point}, 12, AtVertex::GoAround);
+    for (const Vec3d& to : {Vec3d{0, -2, 0}, {-1, -2, 0}, {1, -3, 0}}) {
+        const WalkEnds line = shortest(linesTo(triangles, fan, to));
+        CHECK(line.length == Approx(length(from) + length(to)));
+        CHECK(!line.straight);
+        CHECK(length(line.out - normalized(-1.0 * from)) < 1e-12);
+        CHECK(length(line.in - normalized(to)) < 1e-12);
+    }
+    const WalkEnds beside = shortest(linesTo(triangles, fan, {-2, -1, 0}));
+    CHECK(beside.straight);
+    const double turn = std::numbers::pi / 4 + std::numbers::pi / 2 + std::atan2(1, 2);
+    CHECK(beside.length == Approx(std::sqrt(2 + 5 - 2 * std::sqrt(10.0) * std::cos(turn))));
+    const MeshFan straight(triangles, MeshPoint{at.triangle, at.point}, 12);
+    CHECK(linesTo(triangles, straight, {-1, -2, 0}).empty());
+}
+
+TEST_CASE("MeshFan: lines go around a corner of a boundary, over edges before and after it") {
+    const SurfaceTriangles triangles = floorAround(false);
+    const Vec3d from{-0.5, 2, 0}, to{2, -0.5, 0};
+    const auto at = triangles.nearest(from);
+    const MeshFan fan(triangles, MeshPoint{at.triangle, at.point}, 12, AtVertex::GoAround);
+    CHECK(shortest(linesTo(triangles, fan, to)).length == Approx(2 * length(from)));
+    CHECK(shortest(linesTo(triangles, fan, {1, -6, 0})).length ==
+          Approx(length(Vec3d{1.5, -8, 0})));
+    const std::uint32_t last = triangles.nearest(to).triangle;
+    for (std::size_t k = 0; k < fan.parts().size(); ++k) {
+        WalkEnds line;
+        if (fan.parts()[k].triangle != last || !fan.sees(k, to, line)) continue;
+        Vec3d point = to;
+        double walked = 0;
+        bool passes = false;
+        for (const Vec3d& crossing : fan.crossings(k, to)) {
+            walked += length(crossing - point), point = crossing;
+            passes |= length(crossing) < 1e-12;
+        }
+        CHECK(passes);
+        CHECK(walked + length(from - point) == Approx(line.length));
     }
 }
 
