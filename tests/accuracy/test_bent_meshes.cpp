@@ -353,6 +353,8 @@ TEST_CASE("necks of a spindle torus: distances and paths through them", "[mesh]"
         for (const std::size_t row : {11, 14, 25, 29}) {
             const Vec3d seed = mesh.points[row * 40 + row];
             const Distance d = solver.distance({seed});
+            // Links lead to all nodes of the core, and to most others.
+            CHECK(d.field().reached == d.band().size());
             const auto at = triangles.nearest(seed);
             const MeshFan fan(triangles, MeshPoint{at.triangle, at.point}, kMost,
                               AtVertex::GoAround);

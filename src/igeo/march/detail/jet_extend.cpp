@@ -2,6 +2,7 @@
 
 #include <igeo/band/detail/chord.h>
 #include <igeo/march/detail/jet_blend.h>
+#include <igeo/march/detail/mesh_read.h>
 
 namespace igeo {
 
@@ -300,6 +301,33 @@ void Extension::addWaiting(Group& group) const {
     group.waiting.clear();
 }
 
+Extension::Found Extension::byWalks(const Outside& at, const LocalFrame& local) const {
+    constexpr int kReach = 2;
+    constexpr double kMost = 5;  // voxels
+    if (!band_.triangles || metric_.anisotropic() || !metric_.clear(at.node)) return {};
+    std::vector<NodeIndex> nodes;
+    band_.forBox(&BandLeaf::core, at.leaf, at.offset, {}, kReach, [&](NodeIndex k, const Ijk&) {
+        if (jets_.accepted(k)) nodes.push_back(k);
+    });
+    if (nodes.empty()) return {};
+    const SurfaceTriangles::Place place = band_.footPlace(at.node);
+    JetsByWalks jets(band_, metric_, place, local.weight);
+    for (const NodeIndex k : nodes) {
+        const JetNode& node = core_.nodes[k];
+        jets.add(core_.inBand(node), {valueOf(k), gradientOf(k), jets_.labelOf(k)}, node.weight,
+                 kMost);
+    }
+    Found found;
+    const Vec3d up(local.frame.normal());
+    const double side = sideOf(*band_.triangles, place, up);
+    for (const std::uint32_t source : jets.sources()) {
+        const JetsByWalks::First first = jets.first(source);
+        if (!(first.distance < found.distance)) continue;
+        found = {first.distance, Vec3f(turned(first.direction, side * first.normal, up)), source};
+    }
+    return found;
+}
+
 void Extension::addDoubtful(const Outside& at, Group& group) const {
     Doubtful& doubtful = group.doubtful;
     const NodeIndex i = at.node;
@@ -309,7 +337,7 @@ void Extension::addDoubtful(const Outside& at, Group& group) const {
     const Ijk middle = roundToIjk(Vec3d(band_.footOf(i)));
     if (!gatherAround(node, group.core, middle, 1)) gatherAround(node, group.core, {}, 2);
     if (node.around.count == 0) {
-        finish(at, {});
+        finish(at, byWalks(at, node.local));
         doubtful.nodes.pop_back();
         return;
     }

@@ -264,6 +264,9 @@ private:
     /// @return whether any of it is on the node's sheet, reached or not
     bool gatherAround(Doubtful::Node& node, const LeafNumbers<2>* core, const Ijk& middle,
                       int reach) const;
+    /// From core nodes nearby, over the triangles of a mesh: where its sheets cross, links may not
+    /// lead to a node.
+    Found byWalks(const Outside& at, const LocalFrame& local) const;
     /// Whether a start disc may hold the foot point of a node at a distance.
     bool maybeInDisc(NodeIndex i, double distance) const {
         const double cost = metric_.weighted() ? largestCost(i) : 1;
