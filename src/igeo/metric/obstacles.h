@@ -2,6 +2,7 @@
 #pragma once
 
 #include <igeo/band/surface_triangles.h>
+#include <igeo/base/progress.h>
 #include <igeo/io/triangle_mesh.h>
 #include <igeo/io/vdb_read.h>
 #include <igeo/metric/index_map.h>

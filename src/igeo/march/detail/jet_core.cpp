@@ -168,7 +168,7 @@ std::optional<RimNode> nearestRim(const JetCore& core, std::size_t k) {
 /// The point of the rim nearest to a node outside an obstacle, on its links to nodes inside, if it
 /// is nearer than nodes are that move onto the rim: steps along it would be blocked.
 std::optional<RimNode> closeRim(const JetCore& core, std::size_t k) {
-    constexpr float kNear = 0.2f, kOff = 0.05f;
+    constexpr float kNear = 0.05f;  // voxels; it moves as far off
     const JetNode& node = core.nodes[k];
     std::optional<RimNode> nearest;
     float least = kNear;
@@ -185,12 +185,7 @@ std::optional<RimNode> closeRim(const JetCore& core, std::size_t k) {
                                                     len;
             if (ahead >= least) return;
             least = ahead;
-            nearest = {k,
-                       node.foot + (ahead / len) * step,
-                       (-1 / len) * step,
-                       0,
-                       len,
-                       std::max(kOff, ahead)};
+            nearest = {k, node.foot + (ahead / len) * step, (-1 / len) * step, 0, len, kNear};
         });
     if (!nearest) return {};
     // Between two obstacles it stays.
