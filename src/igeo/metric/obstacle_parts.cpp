@@ -4,226 +4,94 @@
 #include <igeo/metric/obstacles.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <memory>
-#include <unordered_map>
-#include <utility>
 #include <vector>
 
 namespace igeo {
 
 namespace {
 
-using openvdb::Coord;
-using PartVoxels = openvdb::MaskTree::RootNodeType;
+/// The connected parts of active voxels. A tile counts as one voxel that is larger.
+struct VoxelParts {
+    using Tree = openvdb::Int32Tree;
 
-/// The connected parts of a set of voxels. A tile counts as one voxel that is larger.
-class VoxelParts {
-public:
-    static constexpr std::uint32_t kNone = std::uint32_t(-1);
-
-    explicit VoxelParts(const PartVoxels& voxels) : sets_(number(voxels)) {
-        for (const auto& [origin, block] : blocks_)
-            block.leaf ? joinLeaf(block) : joinTile(origin, block);
-    }
-    /// The number of the voxel's part, below `size`; kNone outside of all.
-    std::uint32_t at(const Coord& voxel) {
-        const std::uint32_t unit = unitAt(voxel);
-        return unit == kNone ? kNone : sets_.first(unit);
-    }
-    /// Visits voxels and tiles: visit(part, position, number of voxels).
-    template <typename Visit>
-    void forAll(const Visit& visit) {
-        for (const auto& [origin, block] : blocks_) {
-            const double half = 0.5 * (block.size - 1);
-            if (!block.leaf)
-                visit(sets_.first(block.first),
-                      Vec3d(origin.x() + half, origin.y() + half, origin.z() + half),
-                      std::size_t(block.size) * block.size * block.size);
-            else
-                for (auto it = block.leaf->cbeginValueOn(); it; ++it) {
-                    const Coord c = it.getCoord();
-                    visit(sets_.first(block.first + it.pos()), Vec3d(c.x(), c.y(), c.z()), 1);
-                }
-        }
-    }
-    std::size_t size() const { return units_; }
-
-private:
-    using Leaf = PartVoxels::LeafNodeType;
-    struct Block {
-        int size;
-        const Leaf* leaf;     ///< null: a tile
-        std::uint32_t first;  ///< the number of its first voxel
-    };
-
-    std::size_t number(const PartVoxels& voxels) {
-        auto add = [&](const Coord& origin, int size, const Leaf* leaf) {
-            blocks_.insert({origin, {size, leaf, std::uint32_t(units_)}});
-            units_ += leaf ? Leaf::SIZE : 1;
-            hasTiles_ |= !leaf;
-        };
-        std::vector<const Leaf*> leaves;
-        voxels.getNodes(leaves);
-        for (const Leaf* leaf : leaves) add(leaf->origin(), Leaf::DIM, leaf);
-        auto addTiles = [&](const auto& node) {
-            for (auto tile = node.cbeginValueOn(); tile; ++tile)
-                add(tile.getCoord(), std::decay_t<decltype(node)>::ChildNodeType::DIM, nullptr);
-        };
-        addTiles(voxels);
-        for (auto upper = voxels.cbeginChildOn(); upper; ++upper) {
-            addTiles(*upper);
-            for (auto lower = upper->cbeginChildOn(); lower; ++lower) addTiles(*lower);
-        }
-        return units_;
-    }
-    std::uint32_t unitAt(const Coord& voxel) const {
-        for (const int size : {8, 128, 4096}) {
-            const auto found = blocks_.find(voxel & ~(size - 1));
-            if (found != blocks_.end() && found->second.size == size) {
-                const Block& block = found->second;
-                if (!block.leaf) return block.first;
-                const auto offset = Leaf::coordToOffset(voxel);
-                return block.leaf->isValueOn(offset) ? block.first + offset : kNone;
-            }
-            if (!hasTiles_) break;
-        }
-        return kNone;
-    }
-    void joinLeaf(const Block& block) {
-        for (auto it = block.leaf->cbeginValueOn(); it; ++it) {
-            const Coord voxel = it.getCoord();
+    /// Numbers the voxels in place of their values.
+    explicit VoxelParts(Tree& voxels) : numbers(voxels) {
+        voxels.prune();
+        std::uint32_t count = 0;
+        for (auto it = voxels.beginValueOn(); it; ++it) it.setValue(int(count++));
+        sets = DisjointSets(count);
+        const bool hasTiles = voxels.hasActiveTiles();
+        for (auto it = voxels.cbeginValueOn(); it; ++it) {
+            const openvdb::CoordBBox box = it.getBoundingBox();
+            const int size = box.dim().x(), number = *it;
             auto joins = [&](int x, int y, int z) {
-                const Coord next = voxel.offsetBy(x, y, z);
-                std::uint32_t unit = kNone;
-                if ((next & ~(int(Leaf::DIM) - 1)) != block.leaf->origin())
-                    unit = unitAt(next);
-                else if (const auto offset = Leaf::coordToOffset(next);
-                         block.leaf->isValueOn(offset))
-                    unit = block.first + offset;
-                if (unit != kNone) sets_.join(block.first + it.pos(), unit);
-                return unit != kNone;
+                int other = 0;
+                const bool isOn = numbers.probeValue(box.min().offsetBy(x, y, z), other);
+                if (isOn) sets.join(std::uint32_t(number), std::uint32_t(other));
+                return isOn;
             };
-            // Of two neighbors the first one joins both; a tile may miss voxels beside it.
-            joins(0, 0, 1);
-            if (hasTiles_) joins(0, 0, -1);
-            for (int column = hasTiles_ ? 0 : 5; column < 9; ++column)
-                if (const int x = column / 3 - 1, y = column % 3 - 1;
-                    (x != 0 || y != 0) && !joins(x, y, 0))
-                    joins(x, y, -1), joins(x, y, 1);
+            // Of two voxels the first one looks for the other, of a voxel and a tile the smaller
+            // one. A neighbor joins those above and below itself.
+            for (const int x : {-1, 0, size})
+                for (const int y : {-1, 0, size})
+                    if ((x >= 0 || hasTiles) && (!joins(x, y, 0) || size > 1 || (x == 0 && y == 0)))
+                        joins(x, y, -1), joins(x, y, size);
+        }
+        for (auto it = voxels.cbeginValueOn(); it; ++it) {
+            const openvdb::CoordBBox box = it.getBoundingBox();
+            const openvdb::Vec3d center = box.getCenter();
+            ObstacleSet::Parts::Part& part = off[sets.first(std::uint32_t(*it))];
+            part.position += double(box.volume()) * Vec3d(center.x(), center.y(), center.z());
+            part.voxels += box.volume();
         }
     }
-    /// With the tiles beside it that are as large or larger; smaller ones and voxels join it.
-    void joinTile(const Coord& origin, const Block& block) {
-        const std::array<int, 3> steps{-1, 0, block.size};
-        for (const int x : steps)
-            for (const int y : steps)
-                for (const int z : steps)
-                    if (const std::uint32_t unit = unitAt(origin.offsetBy(x, y, z)); unit != kNone)
-                        sets_.join(block.first, unit);
+    /// Visits the parts with voxels whose centers lie in the box p +- extent.
+    template <typename Visit>
+    void forNear(const Vec3d& p, const Vec3d& extent, const Visit& visit) {
+        const Ijk low = -floorToIjk(extent - p), high = floorToIjk(extent + p);
+        int number = 0;
+        for (const auto& c : openvdb::CoordBBox(low.x, low.y, low.z, high.x, high.y, high.z))
+            if (numbers.probeValue(c, number)) visit(sets.first(std::uint32_t(number)));
     }
 
-    std::size_t units_ = 0;
-    bool hasTiles_ = false;
-    std::unordered_map<Coord, Block> blocks_;  ///< by origin
-    DisjointSets sets_;
-};
-
-/// The voxels in which a level set is negative.
-std::shared_ptr<const PartVoxels> negativeVoxels(const openvdb::FloatGrid& grid) {
-    const auto negative = std::make_shared<PartVoxels>();
-    for (auto it = grid.cbeginValueAll(); it; ++it)
-        if (*it < 0) negative->addTile(it.getLevel(), it.getCoord(), true, true);
-    return negative;
-}
-
-/// A grid, and which of its parts hold points of S.
-struct PartedGrid {
-    PartedGrid(std::shared_ptr<const PartVoxels> itsVoxels, const IndexMap& toGrid, double around,
-               double across)
-        : voxels(std::move(itsVoxels)),
-          parts(*voxels),
-          map(toGrid),
-          toBand(toGrid.inverse()),
-          reach(around),
-          along(across),
-          met(parts.size()) {}
-
-    /// The parts that may block at a point of S.
-    void mark(const Vec3d& p, const Vec3d& normal) {
-        const Vec3d at = map(p), across = map.direction(normal);
-        const double up = along / length(across);
-        const Vec3d extent{reach + up * std::abs(across.x), reach + up * std::abs(across.y),
-                           reach + up * std::abs(across.z)};
-        const Ijk low = -floorToIjk(extent - at), high = floorToIjk(extent + at);
-        for (int x = low.x; x <= high.x; ++x)
-            for (int y = low.y; y <= high.y; ++y)
-                for (int z = low.z; z <= high.z; ++z)
-                    if (const auto part = parts.at({x, y, z}); part != VoxelParts::kNone)
-                        met[part] = 1;
-    }
-    /// Marks the parts with a voxel that S passes.
-    void markVoxels(const Band& band, const Obstacles& all) {
-        constexpr double kNear = 1.5;  // voxels; larger voxels hold foot points
-        parts.forAll([&](std::uint32_t part, const Vec3d& at, std::size_t) {
-            if (met[part]) return;
-            Vec3d p = toBand(at);
-            const NodeIndex i = band.nodeAt(roundToIjk(p));
-            if (i == kNoNode || std::abs(band.psi[i]) > kNear) return;
-            const Vec3d normal(band.normal[i]);
-            if (!projectToSurface(band, p, normal)) p = band.footPoint(i);
-            if (all.block(p, p, normal)) mark(p, normal);
-        });
-    }
-    bool allMet() {
-        bool all = true;
-        parts.forAll([&](std::uint32_t part, const Vec3d&, std::size_t) { all &= met[part] > 0; });
-        return all;
-    }
-    void tell(const Similarity& transform, ObstacleSet::Parts& found) {
-        std::map<std::uint32_t, ObstacleSet::Parts::Part> sums;
-        parts.forAll([&](std::uint32_t part, const Vec3d& at, std::size_t count) {
-            ObstacleSet::Parts::Part& sum = sums[part];
-            sum.position += double(count) * at;
-            sum.voxels += count;
-        });
-        found.all += sums.size();
-        for (auto& [part, sum] : sums)
-            if (!met[part]) {
-                sum.position =
-                    transform.worldFromIndex(toBand((1 / double(sum.voxels)) * sum.position));
-                found.off.push_back(sum);
-            }
-    }
-
-    std::shared_ptr<const PartVoxels> voxels;
-    VoxelParts parts;
-    IndexMap map, toBand;
-    double reach, along;  ///< how far from S voxels block, on all sides and along its normal
-    std::vector<std::uint8_t> met;
+    openvdb::tree::ValueAccessor<const Tree, false> numbers;
+    DisjointSets sets{0};
+    /// Those not known to meet S; positions are sums in the index space of the tree.
+    std::map<std::uint32_t, ObstacleSet::Parts::Part> off;
 };
 
 }  // namespace
 
 ObstacleSet::Parts ObstacleSet::parts(const Band& band, Progress& progress) const {
-    // As in block(): of masks grown cubes within 0.6 voxels of S, of level sets the corners of the
-    // cell around a point.
-    constexpr double kHalf = 0.6, kAlong = 0.6, kCorner = 1;
-    std::vector<PartedGrid> grids;
-    for (const MaskBody& body : masks_) grids.emplace_back(body.blocked, body.map, kHalf, kAlong);
-    for (const LevelSetBody& body : levelSets_)
-        if (!(body.grid->background() < 0))
-            grids.emplace_back(negativeVoxels(*body.grid), body.map, kCorner, 0.0);
-    bool isKnown = true;
-    for (PartedGrid& grid : grids) {
+    Parts found;
+    auto add = [&](VoxelParts::Tree& voxels, const IndexMap& map, double around, double along) {
+        VoxelParts parts(voxels);
+        found.all += parts.off.size();
         progress.throwIfCancelled();
-        grid.markVoxels(band, *this);
-        isKnown &= grid.allMet();
-    }
-    if (!isKnown) {
+        // The parts that may block at a point of S meet it.
+        auto markAt = [&](const Vec3d& p, const Vec3d& normal) {
+            const Vec3d across = map.direction(normal), up = (along / length(across)) * across;
+            parts.forNear(
+                map(p), {around + std::abs(up.x), around + std::abs(up.y), around + std::abs(up.z)},
+                [&](std::uint32_t part) { parts.off.erase(part); });
+        };
+        // Single voxels between the foot points: larger ones hold foot points.
+        forVoxels([&](const Vec3d& center) {
+            const NodeIndex i = band.nodeAt(roundToIjk(center));
+            if (i == kNoNode || std::abs(band.psi[i]) > 1.5) return;
+            bool isOff = false;
+            parts.forNear(map(center), {0.25, 0.25, 0.25},
+                          [&](std::uint32_t part) { isOff = parts.off.count(part) > 0; });
+            if (!isOff) return;
+            const Vec3d normal(band.normal[i]);
+            Vec3d p = center;
+            if (!projectToSurface(band, p, normal)) p = band.footPoint(i);
+            if (block(p, p, normal)) markAt(p, normal);
+        });
+        if (parts.off.empty()) return;
         std::vector<std::uint8_t> blocked(band.size());
         parallelFor(band.size(), 1024, progress, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
@@ -232,11 +100,27 @@ ObstacleSet::Parts ObstacleSet::parts(const Band& band, Progress& progress) cons
             }
         });
         for (NodeIndex i = 0; i < band.size(); ++i)
-            if (blocked[i])
-                for (PartedGrid& grid : grids) grid.mark(band.footPoint(i), Vec3d(band.normal[i]));
+            if (blocked[i]) markAt(band.footPoint(i), Vec3d(band.normal[i]));
+        for (auto& [first, part] : parts.off) {
+            const Vec3d mean = (1 / double(part.voxels)) * part.position;
+            found.off.push_back({transform_.worldFromIndex(map.inverse()(mean)), part.voxels});
+        }
+    };
+    // As in block(): of masks grown cubes within 0.6 voxels of S, of level sets the corners of the
+    // cell around a point.
+    for (const MaskBody& body : masks_) {
+        VoxelParts::Tree voxels;
+        voxels.root().topologyUnion(*body.blocked);
+        add(voxels, body.map, 0.6, 0.6);
     }
-    Parts found;
-    for (PartedGrid& grid : grids) grid.tell(transform_, found);
+    for (const LevelSetBody& body : levelSets_) {
+        if (body.grid->background() < 0) continue;
+        VoxelParts::Tree voxels;
+        openvdb::tree::ValueAccessor<VoxelParts::Tree, false> negative(voxels);
+        for (auto it = body.grid->cbeginValueAll(); it; ++it)
+            if (*it < 0) negative.addTile(it.getLevel(), it.getCoord(), 0, true);
+        add(voxels, body.map, 1, 0);
+    }
     std::stable_sort(found.off.begin(), found.off.end(),
                      [](const auto& a, const auto& b) { return a.voxels > b.voxels; });
     return found;

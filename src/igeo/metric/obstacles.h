@@ -97,7 +97,7 @@ public:
     };
     /// The parts of masks and level sets, and those in which no point of S lies: a region of seeds
     /// has no seed there. A level set that is negative everywhere far away has no parts.
-    /// Time O(voxels + nodes), four bytes per voxel.
+    /// Time O(voxels + nodes), eight bytes per voxel.
     Parts parts(const Band& band, Progress& progress = Progress::none()) const;
 
 private:
