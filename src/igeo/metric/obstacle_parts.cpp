@@ -67,6 +67,7 @@ struct VoxelParts {
 
 ObstacleSet::Parts ObstacleSet::parts(const Band& band, Progress& progress) const {
     Parts found;
+    std::vector<std::uint8_t> blocked;  // the foot points, once a grid needs them
     auto add = [&](VoxelParts::Tree& voxels, const IndexMap& map, double around, double along) {
         VoxelParts parts(voxels);
         found.all += parts.off.size();
@@ -92,13 +93,15 @@ ObstacleSet::Parts ObstacleSet::parts(const Band& band, Progress& progress) cons
             if (block(p, p, normal)) markAt(p, normal);
         });
         if (parts.off.empty()) return;
-        std::vector<std::uint8_t> blocked(band.size());
-        parallelFor(band.size(), 1024, progress, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                const Vec3d p = band.footPoint(NodeIndex(i));
-                blocked[i] = mayBeNear(p, 1) && block(p, p, Vec3d(band.normal[i]));
-            }
-        });
+        if (blocked.empty()) {
+            blocked.resize(band.size());
+            parallelFor(band.size(), 1024, progress, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i) {
+                    const Vec3d p = band.footPoint(NodeIndex(i));
+                    blocked[i] = mayBeNear(p, 1) && block(p, p, Vec3d(band.normal[i]));
+                }
+            });
+        }
         for (NodeIndex i = 0; i < band.size(); ++i)
             if (blocked[i]) markAt(band.footPoint(i), Vec3d(band.normal[i]));
         for (auto& [first, part] : parts.off) {

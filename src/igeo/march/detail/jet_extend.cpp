@@ -140,8 +140,8 @@ void Extension::extendLeaf(LeafIndex l, Group& group, NodeJet* to) const {
     const LeafNodes& core = band_.leaves[l].core;
     const Ijk origin = band_.leaves[l].origin;
     for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane) group.feet.setLeaf(lane, origin);
-    // Which nodes are in the core changes from one to the next: first lists of
-    // both, without branches, of offsets and 2^16 times places among the nodes.
+    // Which nodes are in the core changes from one to the next: first lists of both, without
+    // branches, of offsets and 2^16 times places among the nodes.
     std::array<std::uint32_t, 512> inCore, outside;
     std::size_t coreCount = 0, outsideCount = 0;
     const NodeIndex first = band_.leaves[l].band.firstNode;
@@ -178,8 +178,7 @@ void Extension::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
 void Extension::add(NodeIndex k, JetNeighbor jet, float cosine, const LocalFrame& local,
                     Around& around) const {
     constexpr float kSmooth = 0.9f;
-    // Relative to the least start: near a source the solve takes u for the
-    // distance to it.
+    // Relative to the least start: near a source the solve takes u for the distance to it.
     jet.u = (valueOf(k) - jets_.seeds.leastStart) / local.weight;
     around.node[around.count++] = {jet, jets_.labelOf(k), cosine < kSmooth, k};
 }
@@ -227,10 +226,9 @@ Extension::Found Extension::carryInPlane(const Group& group, std::size_t lane) c
 }
 
 Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
-    // The core around such a node has been reached from its seed, but maybe along
-    // another path, around a wall.
-    constexpr double kOtherPath = 1.2, kBlunt = 0.5,
-                     kDoubtful = 1.5;  // but kOtherPath: voxels
+    // The core around such a node has been reached from its seed, but maybe along another path,
+    // around a wall.
+    constexpr double kOtherPath = 1.2, kBlunt = 0.5, kDoubtful = 1.5;  // but kOtherPath: voxels
     const JetSeeds& seeds = jets_.seeds;
     const Vec3d foot = band_.footPoint(i);
     const LocalFrame local = core_.localFrameInBand(i);
@@ -332,8 +330,7 @@ void Extension::addDoubtful(const Outside& at, Group& group) const {
     Doubtful& doubtful = group.doubtful;
     const NodeIndex i = at.node;
     Doubtful::Node& node = doubtful.nodes.emplace_back(at, core_.localFrameInBand(i));
-    // Where the foot point is off, the core passes within two voxels all the
-    // same.
+    // Where the foot point is off, the core passes within two voxels all the same.
     const Ijk middle = roundToIjk(Vec3d(band_.footOf(i)));
     if (!gatherAround(node, group.core, middle, 1)) gatherAround(node, group.core, {}, 2);
     if (node.around.count == 0) {

@@ -15,8 +15,7 @@
 
 namespace igeo::jet {
 
-/// Nodes around a foot point that have a jet, in its chart, with the sources of
-/// their fronts.
+/// Nodes around a foot point that have a jet, in its chart, with the sources of their fronts.
 struct Around {
     struct Node {
         JetNeighbor jet;
@@ -49,8 +48,7 @@ struct Around {
 /// Gives nodes outside the core the jets of the core around their foot points.
 class Extension {
 public:
-    /// @param lifted  liftedOf(jets), or empty: those that are needed are
-    /// computed
+    /// @param lifted  liftedOf(jets), or empty: those that are needed are computed
     Extension(const CoreJets& jets, const LiftedJets& lifted)
         : jets_(jets),
           core_(*jets.core),
@@ -75,8 +73,7 @@ public:
         unsigned offset;
         NodeJet* to;
     };
-    /// Where what the core carries is in doubt: nodes that are solved as in the
-    /// march.
+    /// Where what the core carries is in doubt: nodes that are solved as in the march.
     struct Doubtful {
         struct Node {
             Outside at;
@@ -111,8 +108,7 @@ public:
         bool full() const { return size == nodes.size(); }
     };
     /// The jets of the nodes of a leaf.
-    /// @param group  of size 0, with the numbers of the leaf; takes the nodes
-    /// that are left to
+    /// @param group  of size 0, with the numbers of the leaf; takes the nodes that are left to
     ///               finish()
     /// @param to     a jet per node
     void extendLeaf(LeafIndex l, Group& group, NodeJet* to) const;
@@ -176,8 +172,7 @@ private:
     void solve(Group& group) const;
     /// The numbers of the core nodes around the foot points.
     IGEO_INLINE void findCorners(Group& group) const;
-    /// Whether the carried jet of a node is all there is to it, but for its
-    /// bound. For most nodes.
+    /// Whether the carried jet of a node is all there is to it, but for its bound. For most nodes.
     bool isPlain(const Group& group, std::size_t lane) const {
         return group.feet.plain[lane] && !mayMissFront(group, lane) &&
                !(band_.facing[group.nodes[lane].node] & Band::kBesideSevered);
@@ -190,8 +185,7 @@ private:
                     FrontsAtPoints& fronts) const;
     /// By rays, where these find a jet.
     void solveMeetings(Meetings& meetings) const;
-    /// Sets the jet of a node, or that of a start disc which holds its foot
-    /// point.
+    /// Sets the jet of a node, or that of a start disc which holds its foot point.
     void finishOrInDisc(const Outside& at, const Found& s) const {
         finish(at, maybeInDisc(at.node, s.distance) ? inDisc(at.node, s) : s);
     }
@@ -233,8 +227,8 @@ private:
                 meet |= jets_.frontsMeetNear(group.corners.node[c][lane]);
         return meet;
     }
-    /// Whether the foot point is that of its only corner, as on planes along the
-    /// axes: the march has solved it.
+    /// Whether the foot point is that of its only corner, as on planes along the axes: the march
+    /// has solved it.
     static bool isAtCorner(const Group& group, std::size_t lane) {
         constexpr float kSame2 = 1e-6f;
         const Vec3f chord = group.corners.chord(lane, 0);
@@ -244,8 +238,7 @@ private:
     bool mayMissFront(const Group& group, std::size_t lane) const {
         return group.corners.count[lane] < 3 && meetNear(group, lane) && !isAtCorner(group, lane);
     }
-    /// Whether fronts meet across a node, where S is smooth and without
-    /// obstacles.
+    /// Whether fronts meet across a node, where S is smooth and without obstacles.
     /// @param g  direction of travel there
     bool frontsMeet(const Doubtful::Node& node, Vec2f g) const {
         const Around& around = node.around;

@@ -40,13 +40,11 @@ bool inOneBlock(NodeIndex a, NodeIndex b) { return a / JetLinks::kBlock == b / J
 /// The links of the core after a march.
 class Links {
 public:
-    /// @param own  of the march, where the core has none: made again where they
-    /// are needed, and
+    /// @param own  of the march, where the core has none: made again where they are needed, and
     ///             only as long
     Links(const JetCore& core, JetLinks& own) : core_(core), own_(own) {}
 
-    /// Makes the rows of the first of some ascending nodes and of those in its
-    /// block.
+    /// Makes the rows of the first of some ascending nodes and of those in its block.
     void make(std::span<const NodeIndex> nodes) const {
         if (!core_.links.empty()) return;
         std::uint64_t rows = 0;
@@ -69,8 +67,7 @@ private:
     JetLinks& own_;
 };
 
-/// Ends of parts of a list of ascending nodes: each block of links belongs to
-/// one.
+/// Ends of parts of a list of ascending nodes: each block of links belongs to one.
 std::vector<std::size_t> partsOf(std::span<const NodeIndex> nodes) {
     constexpr std::size_t kPart = 256;
     std::vector<std::size_t> ends;
@@ -82,8 +79,7 @@ std::vector<std::size_t> partsOf(std::span<const NodeIndex> nodes) {
 
 class MeetingSearch {
 public:
-    /// @param near  gets a mark where fronts meet, and at nodes that are linked
-    /// to these
+    /// @param near  gets a mark where fronts meet, and at nodes that are linked to these
     MeetingSearch(const CoreJets& jets, JetLinks& own, Marks& near)
         : jets_(jets), core_(*jets.core), links_(core_, own), near_(near), seen_(near.size()) {}
 

@@ -43,8 +43,7 @@ struct RaySearch {
                     least = isFirst ? 1 : kFlat;
         const float next = std::clamp(angle / std::max(-slope, least), -kMostTurn, kMostTurn);
         const Vec2f corrected = rotated(direction, next);
-        // Twice what the next ray will gain, which is known where the front
-        // spreads.
+        // Twice what the next ray will gain, which is known where the front spreads.
         const float gain = kLength * angle * next;
         const bool isSure = slope < -1 && gain < kSureGain;
         done = isSure || gain < kGain || rays == kMostRays;

@@ -1,6 +1,6 @@
-/// What one march of scheme `jet` knows: its seeds, and the jets of the core so
-/// far. Changed by the march (jet_march.cpp), read at points (jet_read.cpp) and
-/// by the extension to the rest of the band (jet_extend.cpp).
+/// What one march of scheme `jet` knows: its seeds, and the jets of the core so far. Changed by the
+/// march (jet_march.cpp), read at points (jet_read.cpp) and by the extension to the rest of the
+/// band (jet_extend.cpp).
 #pragma once
 
 #include <igeo/band/surface_point.h>
@@ -28,8 +28,8 @@ struct Solved {
     std::uint32_t label = 0;  ///< the source whose front it is
 };
 
-/// A core node in a march. Values count from the start of a bucket, so that
-/// single precision is enough for them.
+/// A core node in a march. Values count from the start of a bucket, so that single precision is
+/// enough for them.
 struct alignas(16) JetState {
     std::uint32_t bucket = kNoBucket;  ///< in which the node waits, 0 once taken out (jet_queue.h);
                                        ///< of an accepted node that of its value
@@ -53,8 +53,7 @@ struct JetSeeds {
     JetSeeds(const JetCore& core, const std::vector<SurfacePoint>& seeds, double startRadius);
 };
 
-/// Buckets of equal width of the distance, from the least start on. The first
-/// is number 1.
+/// Buckets of equal width of the distance, from the least start on. The first is number 1.
 struct JetBuckets {
     double leastStart = 0, width = 1;
 
@@ -75,10 +74,9 @@ struct MeetingFronts {
 
 struct CoreJets;
 
-/// The core nodes across which fronts meet, once a march is over
-/// (findMeetings). Their jets are found by rays (jet_rays.h) when they are
-/// first read. A ray reads what the march has left, so a jet has the same bits
-/// whatever was read before. Several threads may read at a time.
+/// The core nodes across which fronts meet, once a march is over (findMeetings). Their jets are
+/// found by rays (jet_rays.h) when they are first read. A ray reads what the march has left, so a
+/// jet has the same bits whatever was read before. Several threads may read at a time.
 class Meetings {
 public:
     struct Meeting {
@@ -91,15 +89,14 @@ public:
 
     bool near(NodeIndex k) const { return marks_[k]; }
     bool at(NodeIndex k) const { return marks_[k] & kAt; }
-    /// The jets of some of these nodes. 0.5 microseconds per ray that was not
-    /// sent before, two to four for each front; else O(log n) per node.
+    /// The jets of some of these nodes. 0.5 microseconds per ray that was not sent before, two to
+    /// four for each front; else O(log n) per node.
     void find(const CoreJets& jets, std::span<const NodeIndex> nodes, JetState* to) const;
-    /// Finds the jets of some of these nodes ahead: side by side they take less
-    /// time than one after another.
+    /// Finds the jets of some of these nodes ahead: side by side they take less time than one after
+    /// another.
     /// @param nodes  in any order, and more than once
     void findAhead(const CoreJets& jets, std::span<const NodeIndex> nodes) const;
-    /// Finds all of them in parallel; then calls visit(k, state) for one after
-    /// another.
+    /// Finds all of them in parallel; then calls visit(k, state) for one after another.
     template <typename Visit>
     void findAll(const CoreJets& jets, const Visit& visit) const {
         solveAll(jets);
