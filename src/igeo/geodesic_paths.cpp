@@ -116,15 +116,12 @@ void relaxWhole(const PairSurface& surface, bool closed, Path& path, Progress& p
     path.vertices.clear();
 }
 
-Vec3d indexDirection(const Similarity& t, const Vec3d& v) {
-    return {dot(t.axis[0], v), dot(t.axis[1], v), dot(t.axis[2], v)};
-}
-
 /// Unit normal of a band's surface at a point of it, world space.
 /// @param about  a normal not far from it
 Vec3d normalOn(const Band& band, const Vec3d& p, const Vec3d& about) {
     const Similarity& t = band.transform;
-    return t.worldFromIndexDirection(normalAt(band, t.indexFromWorld(p), indexDirection(t, about)));
+    return t.worldFromIndexDirection(
+        normalAt(band, t.indexFromWorld(p), t.indexFromWorldDirection(about)));
 }
 
 /// A unit vector, for an input of any length; zero for a zero input.
@@ -133,7 +130,7 @@ Vec3d indexDirection(const GeodesicSolver& solver, const Vec3d& v) {
     if (!(most > 0 && most < kInfinity)) return {};
     const Vec3d d = normalized(Vec3d{v.x / most, v.y / most, v.z / most});
     if (solver.options().rules.space == Space::Index) return d;
-    return indexDirection(solver.surface().transform(), d);
+    return solver.surface().transform().indexFromWorldDirection(d);
 }
 
 }  // namespace

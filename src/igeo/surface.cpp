@@ -8,6 +8,7 @@
 #include <igeo/results/refined_mesh.h>
 #include <igeo/surface/band_bounds.h>
 #include <igeo/surface/level_set_band.h>
+#include <igeo/surface/level_set_check.h>
 #include <igeo/surface/mesh_band.h>
 #include <igeo/surface/point_band.h>
 #include <igeo/surface/vertex_name.h>

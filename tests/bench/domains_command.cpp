@@ -1,5 +1,6 @@
 #include <igeo/march/jet.h>
 #include <igeo/surface/level_set_band.h>
+#include <igeo/surface/level_set_check.h>
 #include <support/errors.h>
 #include <support/openvdb.h>
 #include <support/shapes.h>

@@ -5,6 +5,7 @@
 #include <igeo/results/picture.h>
 #include <igeo/surface/band_bounds.h>
 #include <igeo/surface/level_set_band.h>
+#include <igeo/surface/level_set_check.h>
 
 #include <algorithm>
 #include <cmath>

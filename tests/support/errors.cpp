@@ -1,6 +1,7 @@
 #include "errors.h"
 
 #include <igeo/base/parallel.h>
+#include <igeo/surface/level_set_check.h>
 
 #include <algorithm>
 #include <cmath>

@@ -4,6 +4,7 @@
 #include <igeo/results/detail/camera.h>
 #include <igeo/results/picture.h>
 #include <igeo/surface/level_set_band.h>
+#include <igeo/surface/level_set_check.h>
 #include <png.h>
 #include <support/openvdb.h>
 #include <support/pinned.h>

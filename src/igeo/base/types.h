@@ -121,14 +121,16 @@ struct Similarity {
 
     Vec3d worldFromIndex(const Vec3d& p) const { return origin + dx * worldFromIndexDirection(p); }
     Vec3d indexFromWorld(const Vec3d& p) const {
-        const Vec3d r = p - origin;
-        return Vec3d{dot(axis[0], r), dot(axis[1], r), dot(axis[2], r)} * (1 / dx);
+        return indexFromWorldDirection(p - origin) * (1 / dx);
     }
     /// Whether Q holds a reflection.
     bool mirrors() const { return dot(cross(axis[0], axis[1]), axis[2]) < 0; }
-    /// Turns a direction and keeps its length.
+    /// These turn a direction and keep its length.
     Vec3d worldFromIndexDirection(const Vec3d& v) const {
         return v.x * axis[0] + v.y * axis[1] + v.z * axis[2];
+    }
+    Vec3d indexFromWorldDirection(const Vec3d& v) const {
+        return {dot(axis[0], v), dot(axis[1], v), dot(axis[2], v)};
     }
 };
 

@@ -30,11 +30,6 @@ void check(const SlopeWeight& slope) {
                             slope.steepest, slope.power));
 }
 
-/// `up` in the axes of the index space, unit.
-Vec3d upInIndex(const Similarity& transform, const Vec3d& up) {
-    return normalized(transform.indexFromWorld(up) - transform.indexFromWorld({}));
-}
-
 /// The tangent of the slope of a plane with a unit normal.
 double slopeOf(const Vec3d& normal, const Vec3d& up) {
     return length(cross(normal, up)) / std::max(std::abs(dot(normal, up)), 1e-12);
@@ -180,7 +175,7 @@ std::shared_ptr<const Obstacles> steepTriangles(const Band& band, const Vec3d& u
 
 SlopeCosts slopeCosts(const Band& band, const SlopeWeight& slope) {
     check(slope);
-    const Vec3d up = upInIndex(band.transform, slope.up);
+    const Vec3d up = normalized(band.transform.indexFromWorldDirection(slope.up));
     const Slopes slopes(band, up);
     const double most = std::tan(slope.steepest);
     SlopeCosts costs;

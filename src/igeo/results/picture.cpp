@@ -36,13 +36,10 @@ void checkOptions(const PictureOptions& o) {
 }
 
 Frame frameOf(const View& view, const Similarity& t, int width, int height) {
-    auto turned = [&](const Vec3d& world) {
-        return Vec3d{dot(t.axis[0], world), dot(t.axis[1], world), dot(t.axis[2], world)};
-    };
     return {t.indexFromWorld(view.eye),
-            turned(view.right),
-            turned(view.up),
-            turned(view.back),
+            t.indexFromWorldDirection(view.right),
+            t.indexFromWorldDirection(view.up),
+            t.indexFromWorldDirection(view.back),
             width / (2 * View::kHalfWidth),
             2 * View::kHalfWidth / width,
             width,

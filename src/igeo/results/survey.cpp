@@ -9,6 +9,7 @@
 #include <igeo/results/surface_mesh.h>
 #include <igeo/surface/detail/leaf_block.h>
 #include <igeo/surface/level_set_band.h>
+#include <igeo/surface/level_set_check.h>
 #include <igeo/surface/medial_radii.h>
 #include <igeo/surface/mesh_band.h>
 #include <igeo/surface/point_band.h>

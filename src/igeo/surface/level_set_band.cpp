@@ -6,6 +6,7 @@
 #include <igeo/base/parallel.h>
 #include <igeo/surface/detail/leaf_filler.h>
 #include <igeo/surface/detail/wall_links.h>
+#include <igeo/surface/level_set_check.h>
 #include <openvdb/tools/SignedFloodFill.h>
 
 #include <algorithm>

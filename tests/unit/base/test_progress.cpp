@@ -10,6 +10,7 @@
 #include <igeo/results/isolines.h>
 #include <igeo/results/log_map.h>
 #include <igeo/surface/level_set_band.h>
+#include <igeo/surface/level_set_check.h>
 #include <support/catch.h>
 #include <support/expect_error.h>
 #include <support/mesh_shapes.h>

@@ -6,6 +6,7 @@
 #include <igeo/results/isolines.h>
 #include <igeo/results/picture.h>
 #include <igeo/surface/level_set_band.h>
+#include <igeo/surface/level_set_check.h>
 #include <support/catch.h>
 #include <support/expect_error.h>
 #include <support/openvdb.h>

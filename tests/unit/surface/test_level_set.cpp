@@ -1,6 +1,6 @@
 // What checkLevelSet measures; test_level_set_refusals.cpp has what it refuses.
 #include <igeo/geodesic_solver.h>
-#include <igeo/surface/level_set.h>
+#include <igeo/surface/level_set_check.h>
 #include <openvdb/tools/Filter.h>
 #include <openvdb/tools/MeshToVolume.h>
 #include <support/catch.h>

@@ -1,5 +1,5 @@
 // Every refusal and warning of checkLevelSet, by kind and key phrases.
-#include <igeo/surface/level_set.h>
+#include <igeo/surface/level_set_check.h>
 #include <support/bad_inputs.h>
 #include <support/catch.h>
 #include <support/errors.h>

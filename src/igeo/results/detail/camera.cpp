@@ -72,10 +72,6 @@ std::vector<Sight> sights(const DrawnSurface& surface, const Field& field,
     return all;
 }
 
-Vec3d indexDirection(const Similarity& t, const Vec3d& world) {
-    return {dot(t.axis[0], world), dot(t.axis[1], world), dot(t.axis[2], world)};
-}
-
 /// Axes of a camera that looks along -back.
 void aim(View& view, const Vec3d& back, const Vec3d& up) {
     view.back = normalized(back);
@@ -110,7 +106,7 @@ public:
            const std::vector<Vec3d>& directions)
         : surface_(surface), seen_(seen) {
         for (const Vec3d& world : directions) {
-            Direction d{indexDirection(surface.transform(), world)};
+            Direction d{surface.transform().indexFromWorldDirection(world)};
             for (const Sight& s : seen)
                 if (surface.mayBeVisible(s.normal, d.toEye)) d.score += worth(s, d.toEye);
             all_.push_back(d);
