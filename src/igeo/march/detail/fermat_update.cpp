@@ -7,35 +7,6 @@
 
 namespace igeo {
 
-/// The neighbors in a ring: after the last one all follow again, and then zeros, so that pairs of
-/// them that are s apart lie side by side.
-struct NeighborRing {
-    static constexpr std::size_t kZeros = 8;
-    using Array = std::array<float, 2 * std::size_t(JetNeighbors::kMax) + kZeros>;
-    alignas(32) Array ax, ay, gx, gy, u, len;
-    const std::size_t count;
-    const float longest2;
-
-    NeighborRing(std::size_t neighbors, float longest) : count(neighbors), longest2(longest) {}
-    void set(std::size_t k, Vec2f a, Vec2f g, float value) {
-        ax[k] = ax[k + count] = a.x, ay[k] = ay[k + count] = a.y;
-        gx[k] = gx[k + count] = g.x, gy[k] = gy[k + count] = g.y;
-        u[k] = u[k + count] = value;
-    }
-    /// Once all are set.
-    void close() {
-        const std::size_t end = 2 * count;
-        for (Array* array : {&ax, &ay, &gx, &gy, &u, &len})
-            std::fill_n(array->data() + end, kZeros, 0.0f);
-        for (std::size_t k = 0; k < end; k += 4) {
-            const auto x = loadLanes<4>(&ax[k]), y = loadLanes<4>(&ay[k]);
-            auto length = x * x + y * y;
-            takeRoots<4>(length);
-            storeLanes(length, &len[k]);
-        }
-    }
-};
-
 namespace {
 
 /// The least costs across segments: total(s) = H(s) + |a_p - s e|, 0 <= s <= 1, with e the segment
@@ -117,75 +88,45 @@ void findMinima(const SegmentLanes& lanes, SegmentMinima& minima) {
     findByFour(lanes, minima);
 }
 
-/// Pairs of neighbors p and q = p + apart in the ring, p from `first` on.
-template <int Width>
-class LanePairs {
-    using V = typename Registers<Width>::Vector;
-
-public:
-    IGEO_INLINE LanePairs(const NeighborRing& ring, std::size_t first, std::size_t apart)
-        : ring_(ring), p_(first), q_(first + apart) {}
-
-    /// Those that can matter, a bit each: of one front, because directions of two fronts have no
-    /// interpolant; short; seen from the node at less than 120 degrees; and with a total that may
-    /// be below a value.
-    IGEO_INLINE unsigned find(float below) const {
-        const V apx = p(ring_.ax), apy = p(ring_.ay), aqx = q(ring_.ax), aqy = q(ring_.ay);
-        const V gpx = p(ring_.gx), gpy = p(ring_.gy), gqx = q(ring_.gx), gqy = q(ring_.gy);
-        const V up = p(ring_.u), uq = q(ring_.u);
-        const V ex = apx - aqx, ey = apy - aqy, square = ex * ex + ey * ey, zero{};
-        const auto fits = (gpx * gqx + gpy * gqy >= zero + jet::kSameFront) &
-                          (square <= ring_.longest2) &
-                          (apx * aqx + apy * aqy >= -0.5f * (p(ring_.len) * q(ring_.len))) &
-                          ((up < below) | (uq < below));
-        if (!any(fits)) return 0;
-        // Lower bounds of total: the cubic falls below its ends by at most 4/27 of the slopes.
-        const V one = zero + 1,
-                foot = (apx * ex + apy * ey) / (square > 1e-12f ? square : zero + 1e-12f),
-                along = foot > 1   ? one
-                        : foot > 0 ? foot
-                                   : zero;
-        const V mp = gpx * ex + gpy * ey, mq = gqx * ex + gqy * ey,
-                dip = (4.0f / 27) * ((mp < 0 ? -mp : zero) + (mq > 0 ? mq : zero));
-        const V x = apx - along * ex, y = apy - along * ey;
-        V len = x * x + y * y;
-        takeRoots<Width>(len);
-        return bitsOf<Width>(fits & ((up < uq ? up : uq) - dip + len < below));
-    }
-
-private:
-    IGEO_INLINE V p(const NeighborRing::Array& of) const { return loadLanes<Width>(&of[p_]); }
-    IGEO_INLINE V q(const NeighborRing::Array& of) const { return loadLanes<Width>(&of[q_]); }
-    const NeighborRing& ring_;
-    const std::size_t p_, q_;
-};
-
 /// The bounds for the nodes from `first` on that fit into a register.
 template <int Width>
 class LaneBounds {
     using V = typename Registers<Width>::Vector;
+    using Integers = typename Registers<Width>::Integers;
 
 public:
     IGEO_INLINE LaneBounds(const JetLanes& lanes, const Lanes& longest2, std::size_t first)
-        : lanes_(lanes), first_(first), longest2_(in(longest2)), most_(0) {
-        for (std::size_t k = first; k < first + Width; ++k)
-            if (longest2[k] > 0) most_ = std::max(most_, std::size_t(lanes.count[k]));
-    }
+        : lanes_(lanes), first_(first), longest2_(in(longest2)) {}
 
     IGEO_INLINE void find(FermatBounds& bounds) const {
-        V least = V{} + JetFronts::kNoValue;
+        const std::size_t count = bounds.count;
+        const V firstU = in(lanes_.neighbor[0].u), none = V{} + JetFronts::kNoValue;
+        V least = none, leastEnd = none;
+        Integers end{};
         V len[JetLanes::kMax];
-        for (std::size_t p = 0; p < most_; ++p) {
+        for (std::size_t p = 0; p < count; ++p) {
             const JetLanes::Neighbor& n = lanes_.neighbor[p];
             const V ax = in(n.ax), ay = in(n.ay);
             len[p] = roots(ax * ax + ay * ay);
-            const V u = in(n.u) + len[p];
+            const V u = in(n.u) + len[p], fromFirst = (in(n.u) - firstU) + len[p];
             least = u < least ? u : least;
+            const Integers less = fromFirst < leastEnd;
+            leastEnd = less ? fromFirst : leastEnd;
+            end = less ? Integers{} + std::int32_t(p) : end;
         }
-        V most = least;
-        for (std::size_t q = 1; q < most_; ++q)
-            for (std::size_t p = 0; p < q; ++p) bound(p, q, len[p], len[q], least, most);
+        out(bounds.leastEnd) = leastEnd;
+        storeLanes(end, bounds.end.data() + first_);
+        V most = least, low[FermatBounds::kMostPairs];
+        for (std::size_t q = 1, pair = 0; q < count; ++q)
+            for (std::size_t p = 0; p < q; ++p, ++pair)
+                low[pair] = bound(p, q, len[p], len[q], least, most);
         out(bounds.least) = least, out(bounds.most) = most;
+        const std::size_t pairs = count * (count - 1) / 2;
+        for (std::size_t pair = 0; pair < pairs; ++pair) {
+            const unsigned bits = bitsOf<Width>(low[pair] < most + FermatBounds::kRounding)
+                                  << first_;
+            bounds.mayBeLeast[pair] = std::uint8_t(first_ ? bounds.mayBeLeast[pair] | bits : bits);
+        }
     }
 
 private:
@@ -193,8 +134,12 @@ private:
     /// how much the cubic lies below follows from the slopes at the ends, in two ways: by 4/27 of
     /// them at most; and from its value at s on it falls with these slopes at most, while the
     /// length bends up by (a x e)^2 / |a|^3 at least.
-    IGEO_INLINE void bound(std::size_t p, std::size_t q, const V& lengthP, const V& lengthQ,
-                           V& least, V& most) const {
+    ///
+    /// Segments count between neighbors of one front, because directions of two fronts have no
+    /// interpolant; if they are short; and seen from the node at less than 120 degrees.
+    /// @return the lower bound
+    IGEO_INLINE V bound(std::size_t p, std::size_t q, const V& lengthP, const V& lengthQ, V& least,
+                        V& most) const {
         const JetLanes::Neighbor &from = lanes_.neighbor[p], &to = lanes_.neighbor[q];
         const V apx = in(from.ax), apy = in(from.ay), aqx = in(to.ax), aqy = in(to.ay);
         const V gpx = in(from.gx), gpy = in(from.gy), gqx = in(to.gx), gqy = in(to.gy);
@@ -202,7 +147,7 @@ private:
         const auto counts = (gpx * gqx + gpy * gqy >= zero + jet::kSameFront) &
                             (square <= longest2_) &
                             (apx * aqx + apy * aqy >= -0.5f * (lengthP * lengthQ));
-        if (!any(counts)) return;
+        if (!any(counts)) return zero + JetFronts::kNoValue;
         constexpr float kTiny = 1e-12f;
         const V up = in(from.u), du = in(to.u) - up, flat = square - du * du,
                 root = roots(flat > kTiny ? flat : kTiny + zero),
@@ -223,6 +168,7 @@ private:
                 byDip = linear - dip, byBend = high - fall, low = byDip > byBend ? byDip : byBend;
         least = (counts & (low < least)) ? low : least;
         most = (counts & (high < most)) ? high : most;
+        return counts ? low : zero + JetFronts::kNoValue;
     }
     IGEO_INLINE static V roots(V v) {
         takeRoots<Width>(v);
@@ -236,7 +182,6 @@ private:
     const JetLanes& lanes_;
     const std::size_t first_;
     const V longest2_;
-    std::size_t most_;
 };
 
 void boundByFour(const JetLanes& lanes, const Lanes& longest2, FermatBounds& bounds) {
@@ -249,53 +194,16 @@ IGEO_AVX2 void boundByEight(const JetLanes& lanes, const Lanes& longest2, Fermat
 }
 #endif
 
-/// LanePairs::find for eight pairs.
-unsigned findPairsByFour(const NeighborRing& ring, std::size_t first, std::size_t apart,
-                         float below) {
-    const unsigned low = LanePairs<4>(ring, first, apart).find(below);
-    if (first + 4 >= ring.count) return low;
-    return low | LanePairs<4>(ring, first + 4, apart).find(below) << 4;
-}
-#ifdef IGEO_AVX2
-IGEO_AVX2 unsigned findPairsByEight(const NeighborRing& ring, std::size_t first, std::size_t apart,
-                                    float below) {
-    return LanePairs<8>(ring, first, apart).find(below);
-}
-#endif
-unsigned findPairs(const NeighborRing& ring, std::size_t first, std::size_t apart, float below) {
-#ifdef IGEO_AVX2
-    if (eightAtATime()) return findPairsByEight(ring, first, apart, below);
-#endif
-    return findPairsByFour(ring, first, apart, below);
-}
-
-FermatGroup::Ends bothEnds(std::size_t p, std::size_t q) {
-    return {std::uint8_t(p), std::uint8_t(q)};
-}
-
 }  // namespace
 
 void boundFallbacks(const JetLanes& lanes, const Lanes& longest2, FermatBounds& bounds) {
+    bounds.count = 0;
+    for (std::size_t k = 0; k < Lanes::kNodes; ++k)
+        if (longest2[k] > 0) bounds.count = std::max(bounds.count, std::size_t(lanes.count[k]));
 #ifdef IGEO_AVX2
     if (eightAtATime()) return boundByEight(lanes, longest2, bounds);
 #endif
     boundByFour(lanes, longest2, bounds);
-}
-
-void FermatGroup::add(std::size_t node, const JetLanes& lanes, float longest2) {
-    NeighborRing ring(lanes.count[node], longest2);
-    for (std::size_t k = 0; k < ring.count; ++k) {
-        const JetLanes::Neighbor& n = lanes.neighbor[k];
-        ring.set(k, {n.ax[node], n.ay[node]}, {n.gx[node], n.gy[node]},
-                 n.u[node] - lanes.neighbor[0].u[node]);
-    }
-    search(node, ring);
-}
-
-void FermatGroup::add(std::size_t node, const JetNeighbors& all) {
-    NeighborRing ring(std::size_t(all.count()), all.longest2);
-    for (int k = 0; k < all.count(); ++k) ring.set(std::size_t(k), all.a(k), all.g(k), all.u(k));
-    search(node, ring);
 }
 
 Vec2f FermatGroup::g(std::size_t node) const {
@@ -306,43 +214,33 @@ Vec2f FermatGroup::g(std::size_t node) const {
     return len > kSamePoint ? (1 / len) * n.a : n.g;
 }
 
-void FermatGroup::search(std::size_t node, NeighborRing& ring) {
-    ring.close();
-    Node least;
-    const std::size_t count = ring.count;
-    for (std::size_t k = 0; k < count; ++k)
-        if (const float u = ring.u[k] + ring.len[k]; u < least.u)
-            least = {u, {ring.ax[k], ring.ay[k]}, {ring.gx[k], ring.gy[k]}, 0, bothEnds(k, k)};
-    least.detour = length(least.a) - dot(least.a, least.g);
-    nodes_[node] = least;
-    for (std::size_t apart = 1; 2 * apart <= count; ++apart) {
-        // Pairs of opposite neighbors come twice.
-        const std::size_t pairs = 2 * apart == count ? apart : count;
-        for (std::size_t first = 0; first < pairs; first += Lanes::kNodes) {
-            unsigned found = findPairs(ring, first, apart, least.u);
-            if (pairs - first < Lanes::kNodes) found &= (1u << (pairs - first)) - 1;
-            for (; found; found &= found - 1) {
-                const std::size_t p = first + std::size_t(std::countr_zero(found)), q = p + apart;
-                if (q < count)
-                    addSegment(node, ring, q, p);
-                else
-                    addSegment(node, ring, p, q - count);
-            }
-        }
+void FermatGroup::search(unsigned nodes) {
+    for (unsigned left = nodes; left; left &= left - 1) {
+        const auto node = std::size_t(std::countr_zero(left));
+        const auto end = std::size_t(bounds_.end[node]);
+        const JetNeighbor n = lanes_.at(node, end);
+        const auto number = std::uint8_t(end);
+        nodes_[node] = {bounds_.leastEnd[node], n.a, n.g, length(n.a) - dot(n.a, n.g),
+                        Ends{number, number}};
     }
+    for (std::size_t q = 1, pair = 0; q < bounds_.count; ++q)
+        for (std::size_t p = 0; p < q; ++p, ++pair)
+            for (unsigned left = bounds_.mayBeLeast[pair] & nodes; left; left &= left - 1)
+                addSegment(std::size_t(std::countr_zero(left)), q, p);
+    if (segments_.count > 0) takeSegments();
 }
 
-void FermatGroup::addSegment(std::size_t node, const NeighborRing& ring, std::size_t p,
-                             std::size_t q) {
+void FermatGroup::addSegment(std::size_t node, std::size_t p, std::size_t q) {
     const std::size_t lane = segments_.count++;
-    const auto set = [&](SegmentLanes::End& end, std::size_t k) {
-        end.ax[lane] = ring.ax[k], end.ay[lane] = ring.ay[k];
-        end.gx[lane] = ring.gx[k], end.gy[lane] = ring.gy[k];
-        end.u[lane] = ring.u[k];
+    const float firstU = lanes_.neighbor[0].u[node];
+    const auto set = [&](SegmentLanes::End& end, const JetLanes::Neighbor& n) {
+        end.ax[lane] = n.ax[node], end.ay[lane] = n.ay[node];
+        end.gx[lane] = n.gx[node], end.gy[lane] = n.gy[node];
+        end.u[lane] = n.u[node] - firstU;
     };
-    set(segments_.p, p), set(segments_.q, q);
+    set(segments_.p, lanes_.neighbor[p]), set(segments_.q, lanes_.neighbor[q]);
     segments_.node[lane] = std::uint8_t(node);
-    segments_.ends[lane] = bothEnds(p, q);
+    segments_.ends[lane] = {std::uint8_t(p), std::uint8_t(q)};
     if (segments_.count == Lanes::kNodes) takeSegments();
 }
 
@@ -360,13 +258,24 @@ void FermatGroup::takeSegments() {
 }
 
 Jet fermatUpdate(const JetNeighbors& all, std::array<std::uint8_t, 2>* ends) {
-    FermatGroup group;
-    group.add(0, all);
-    group.finish();
-    if (ends) *ends = group.ends(0);
     Jet jet;
     jet.usedFallback = true;
+    if (ends) *ends = {};
     if (all.count() == 0) return jet;
+    JetLanes lanes;
+    Lanes longest2{};
+    lanes.count[0] = std::uint32_t(all.count()), longest2[0] = all.longest2;
+    for (int k = 0; k < all.count(); ++k) {
+        JetLanes::Neighbor& n = lanes.neighbor[std::size_t(k)];
+        n.ax[0] = all.a(k).x, n.ay[0] = all.a(k).y;
+        n.gx[0] = all.g(k).x, n.gy[0] = all.g(k).y, n.u[0] = all.u(k);
+    }
+    lanes.pad();
+    FermatBounds bounds;
+    boundFallbacks(lanes, longest2, bounds);
+    FermatGroup group(lanes, bounds);
+    group.search(1);
+    if (ends) *ends = group.ends(0);
     jet.u = all.base() + double(group.u(0));
     jet.g = group.g(0);
     return jet;

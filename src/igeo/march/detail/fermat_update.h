@@ -19,6 +19,17 @@ Jet fermatUpdate(const JetNeighbors& all, std::array<std::uint8_t, 2>* ends = nu
 /// Bounds of the fallbacks of the nodes of a group, without a search.
 struct FermatBounds {
     Lanes least, most;  ///< relative to JetLanes::base
+
+    /// Of each node the neighbor with the least u_j + |a_j|, and that, relative to the first one.
+    alignas(32) std::array<std::int32_t, Lanes::kNodes> end;
+    Lanes leastEnd;
+    /// Bits, for the segments from each neighbor to those before: the nodes whose fallback may come
+    /// from there.
+    static constexpr std::size_t kMostPairs = JetLanes::kMax * (JetLanes::kMax - 1) / 2;
+    std::array<std::uint8_t, kMostPairs> mayBeLeast;
+    std::size_t count;  ///< of neighbors, of the node that has most
+
+    static constexpr float kRounding = 1e-3f;  ///< bounds are off by less
 };
 /// @param longest2  as in JetNeighbors, per node; 0: the node is left out
 void boundFallbacks(const JetLanes& lanes, const Lanes& longest2, FermatBounds& bounds);
@@ -34,21 +45,15 @@ struct SegmentLanes {
     std::size_t count = 0;
 };
 
-struct NeighborRing;
-
-/// The fallbacks of up to eight nodes, whose segments are searched side by side. A node gets the
+/// The fallbacks of nodes of a group, whose segments are searched side by side. A node gets the
 /// same bits in any group.
 class FermatGroup {
 public:
-    /// Adds a node of a group.
-    /// @param longest2  as in JetNeighbors
-    void add(std::size_t node, const JetLanes& lanes, float longest2);
-    /// The same for neighbors by themselves.
-    void add(std::size_t node, const JetNeighbors& all);
-    /// Ends the search.
-    void finish() {
-        if (segments_.count > 0) takeSegments();
-    }
+    FermatGroup(const JetLanes& lanes, const FermatBounds& bounds)
+        : lanes_(lanes), bounds_(bounds) {}
+    /// Finds the fallbacks of nodes that have bounds.
+    /// @param nodes  bits
+    void search(unsigned nodes);
     /// The value of a node, relative to its first neighbor, and the direction of travel.
     float u(std::size_t node) const { return nodes_[node].u; }
     Vec2f g(std::size_t node) const;
@@ -67,10 +72,11 @@ private:
         float detour = 0;            ///< detour()
         Ends ends{};                 ///< ends()
     };
-    void search(std::size_t node, NeighborRing& ring);
-    void addSegment(std::size_t node, const NeighborRing& ring, std::size_t p, std::size_t q);
+    void addSegment(std::size_t node, std::size_t p, std::size_t q);
     void takeSegments();
 
+    const JetLanes& lanes_;
+    const FermatBounds& bounds_;
     std::array<Node, Lanes::kNodes> nodes_;
     SegmentLanes segments_;
 };

@@ -84,7 +84,30 @@ public:
         evaluate(x, y, ok, fits);
     }
 
+    IGEO_INLINE void findTurns(const Lanes& directionX, const Lanes& directionY,
+                               Lanes& turn) const {
+        const V x = in(directionX), y = in(directionY);
+        Turns turns;
+        for (std::size_t k = 0; k < most_; ++k) {
+            const auto& n = lanes_.neighbor[k];
+            const V ax = in(n.ax), ay = in(n.ay), gx = in(n.gx), gy = in(n.gy);
+            turns.add(x * ay - y * ax, x * gx + y * gy, x * gy - y * gx);
+        }
+        out(turn) = turns.fromLeft + turns.fromRight;
+    }
+
 private:
+    /// As FrontsMeet has it.
+    struct Turns {
+        V fromLeft{}, fromRight{};
+        IGEO_INLINE void add(const V& across, const V& cosine, const V& turn) {
+            const V zero{}, one = zero + 1, whole = turn < zero ? zero - 1 : one,
+                            sine = cosine > zero ? turn : whole;
+            fromLeft = ((across < zero) & (-sine > fromLeft)) ? -sine : fromLeft;
+            fromRight = ((across > zero) & (sine > fromRight)) ? sine : fromRight;
+        }
+    };
+
     IGEO_INLINE const V& in(const Lanes& l) const {
         return *reinterpret_cast<const V*>(l.of + first_);
     }
@@ -172,17 +195,16 @@ private:
         // Neighbors to the left and right of the ray; straight behind counts for both.
         constexpr float kStraight = 0.03f;
         const V zero{}, one = zero + 1;
-        V total{}, value{}, square{}, fromLeft{}, fromRight{};
+        V total{}, value{}, square{};
+        Turns turns;
         Mask left{}, right{};
         for (std::size_t k = 0; k < most_; ++k) {
             const auto& n = lanes_.neighbor[k];
             const V ax = in(n.ax), ay = in(n.ay), gx = in(n.gx), gy = in(n.gy);
             const V cosine = x * gx + y * gy, along = x * ax + y * ay;
             const Mask counts = (cosine >= zero + jet::kSameFront) & (along > zero);
-            const V across = x * ay - y * ax, slack = kStraight * along, turn = x * gy - y * gx,
-                    whole = turn < zero ? zero - 1 : one, sine = cosine > zero ? turn : whole;
-            fromLeft = ((across < zero) & (-sine > fromLeft)) ? -sine : fromLeft;
-            fromRight = ((across > zero) & (sine > fromRight)) ? sine : fromRight;
+            const V across = x * ay - y * ax, slack = kStraight * along;
+            turns.add(across, cosine, x * gy - y * gx);
             left |= counts & (across >= -slack), right |= counts & (across <= slack);
             const V w = counts ? along * along * nearness_[k] : zero;
             const V v = in(n.u) + (along + gx * ax + gy * ay) / (1 + cosine);
@@ -193,7 +215,7 @@ private:
         out(fits.gx) = x, out(fits.gy) = y;
         out(fits.residual2) = square * inverse - u * u;
         out(fits.oneSided) = (left & right) != 0 ? zero : one;
-        out(fits.turn) = fromLeft + fromRight;
+        out(fits.turn) = turns.fromLeft + turns.fromRight;
     }
 
     const JetLanes& lanes_;
@@ -210,6 +232,10 @@ void fitByFour(const JetLanes& lanes, const Lanes& x, const Lanes& y, JetFits& f
     for (std::size_t first = 0; first < Lanes::kNodes; first += 4)
         LaneFit<4>(lanes, first).fit(x, y, fits);
 }
+void turnsByFour(const JetLanes& lanes, const Lanes& x, const Lanes& y, Lanes& turn) {
+    for (std::size_t first = 0; first < Lanes::kNodes; first += 4)
+        LaneFit<4>(lanes, first).findTurns(x, y, turn);
+}
 
 #ifdef IGEO_AVX2
 IGEO_AVX2 void findByEight(const JetLanes& lanes, JetFronts& fronts) {
@@ -217,6 +243,9 @@ IGEO_AVX2 void findByEight(const JetLanes& lanes, JetFronts& fronts) {
 }
 IGEO_AVX2 void fitByEight(const JetLanes& lanes, const Lanes& x, const Lanes& y, JetFits& fits) {
     LaneFit<8>(lanes, 0).fit(x, y, fits);
+}
+IGEO_AVX2 void turnsByEight(const JetLanes& lanes, const Lanes& x, const Lanes& y, Lanes& turn) {
+    LaneFit<8>(lanes, 0).findTurns(x, y, turn);
 }
 #endif
 
@@ -228,17 +257,22 @@ void findFronts(const JetLanes& lanes, JetFronts& fronts) {
 #endif
     findByFour(lanes, fronts);
 }
+void findTurns(const JetLanes& lanes, const Lanes& x, const Lanes& y, Lanes& turn) {
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return turnsByEight(lanes, x, y, turn);
+#endif
+    turnsByFour(lanes, x, y, turn);
+}
 JetVerdicts judge(const JetFronts& fronts, const JetFits& first) {
     constexpr float kLater = 0.2f;
     JetVerdicts verdicts{0, 0};
     for (std::size_t lane = 0; lane < Lanes::kNodes; lane += 4) {
         const auto in = [&](const Lanes& l) { return loadLanes<4>(l.of + lane); };
-        const auto none = decltype(in(first.u)){} + float(kInfinity), u = in(first.u),
-                   residual2 = in(first.residual2), later = in(fronts.second);
-        const auto second =
-            (later < JetFronts::kNoValue) & (later < (u < none ? u : none) + kLater);
-        const auto clear = ~second & (u <= in(fronts.bound) + jet::kSlack) &
-                           (u >= in(fronts.straight) - jet::kFocus) &
+        const auto u = in(first.u), residual2 = in(first.residual2), later = in(fronts.second);
+        const auto valid = (u <= in(fronts.bound) + jet::kSlack) &
+                           ~(residual2 > jet::kResidual * jet::kResidual),
+                   second = valid & (later < JetFronts::kNoValue) & (later < u + kLater);
+        const auto clear = valid & ~second & (u >= in(fronts.straight) - jet::kFocus) &
                            (residual2 < jet::kDoubt * jet::kDoubt) & (in(first.oneSided) == 0) &
                            (in(first.turn) <= FrontsMeet::kTurn);
         verdicts.second |= bitsOf<4>(second) << lane;

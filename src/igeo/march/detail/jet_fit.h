@@ -76,17 +76,21 @@ struct JetFits {
 /// Fits the fronts that have the directions `x`, `y` at one of the neighbors, in two rounds.
 void fitFronts(const JetLanes& lanes, const Lanes& x, const Lanes& y, JetFits& fits);
 
+/// FrontsMeet::turn of the neighbors, for directions of travel at the nodes.
+void findTurns(const JetLanes& lanes, const Lanes& x, const Lanes& y, Lanes& turn);
+
 /// What the fits of the first fronts come to, a bit per node.
 struct JetVerdicts {
-    unsigned second;  ///< another front may come first, or 0.2 later
+    unsigned second;  ///< the fit does not fail, and another front may come first, or 0.2 later
     unsigned clear;   ///< not so, no fronts meet, and there is no reason for doubt
 };
 JetVerdicts judge(const JetFronts& fronts, const JetFits& first);
 
 namespace jet {
 
-/// A fit fails where its value lies further above the straight line from some neighbor.
-constexpr float kSlack = 1e-3f;
+/// A fit fails where its value lies further above the straight line from some neighbor, or its
+/// residual is larger.
+constexpr float kSlack = 1e-3f, kResidual = 0.02f;
 /// A fit is in doubt where its residual is larger, or its value further below all plane fronts: two
 /// neighbors always agree, however wrong.
 constexpr float kDoubt = 6e-3f, kFocus = 0.2f;

@@ -19,9 +19,8 @@ constexpr float mostBelow(bool smooth) { return smooth ? kAgree : kBelowOverCrea
 
 /// Whether a fit agrees with the fallback for certain.
 bool surelyAgrees(float u, const FermatBounds& bounds, std::size_t lane, bool smooth) {
-    constexpr float kRounding = 1e-3f;
-    return bounds.least[lane] > u - (kAgree - kRounding) &&
-           bounds.most[lane] < u + (mostBelow(smooth) - kRounding);
+    return bounds.least[lane] > u - (kAgree - FermatBounds::kRounding) &&
+           bounds.most[lane] < u + (mostBelow(smooth) - FermatBounds::kRounding);
 }
 
 }  // namespace
@@ -61,9 +60,8 @@ struct JetGroup::BestFit {
     /// Takes a fit. It fails where its residual is large, or its value more than kSlack above the
     /// straight line from some neighbor.
     void add(const JetFits& fits, const JetFronts& fronts, std::size_t k) {
-        constexpr float kResidual = 0.02f;
         const float u = fits.u[k], residual2 = fits.residual2[k];
-        if (!(u <= fronts.bound[k] + jet::kSlack) || residual2 > kResidual * kResidual) {
+        if (!(u <= fronts.bound[k] + jet::kSlack) || residual2 > jet::kResidual * jet::kResidual) {
             valid = false;
             return;
         }
@@ -88,7 +86,7 @@ JetGroup::Solutions JetGroup::solve() {
 }
 
 void JetGroup::solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solutions) const {
-    std::array<BestFit, Lanes::kNodes> best;
+    BestFits best;
     unsigned inFallback = 0;
     Lanes longest2{};
     for (; doubts; doubts &= doubts - 1) {
@@ -98,7 +96,7 @@ void JetGroup::solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solut
         } else if (best[k] = bestFit(k, fits); best[k].final) {
             solutions[k] = best[k].best;
         } else {
-            if (best[k].mayCount) longest2[k] = nodes_[k].longest2;
+            longest2[k] = nodes_[k].longest2;
             inFallback |= 1u << k;
         }
     }
@@ -111,27 +109,16 @@ void JetGroup::solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solut
             solutions[k] = best[k].best, inFallback &= ~(1u << k);
     }
     if (!inFallback) return;
-    FermatGroup fallback;
-    for (unsigned left = inFallback; left; left &= left - 1) {
-        const auto k = std::size_t(std::countr_zero(left));
-        fallback.add(k, lanes_, nodes_[k].longest2);
-    }
-    fallback.finish();
-    for (; inFallback; inFallback &= inFallback - 1) {
-        const auto k = std::size_t(std::countr_zero(inFallback));
-        solutions[k] = decide(k, best[k], fallback);
-    }
+    FermatGroup fallback(lanes_, bounds);
+    fallback.search(inFallback);
+    decide(inFallback, best, fallback, solutions);
 }
 
 JetGroup::Solution JetGroup::solveAtRim(std::size_t lane) {
     nodes_[lane].rim = true;
-    if (!nodes_[lane].oneSource) return solvePerSource(lane);
-    const BestFit fit = bestFit(lane, Fits(lanes_));
-    if (fit.final) return fit.best;
-    FermatGroup fallback;
-    fallback.add(lane, lanes_, nodes_[lane].longest2);
-    fallback.finish();
-    return decide(lane, fit, fallback);
+    Solutions solutions;
+    solveDoubtful(Fits(lanes_), 1u << lane, solutions);
+    return solutions[lane];
 }
 
 JetGroup::BestFit JetGroup::bestFit(std::size_t lane, const Fits& fits) const {
@@ -149,15 +136,29 @@ JetGroup::BestFit JetGroup::bestFit(std::size_t lane, const Fits& fits) const {
     return fit;
 }
 
-JetGroup::Solution JetGroup::decide(std::size_t lane, const BestFit& fit,
-                                    const FermatGroup& fallback) const {
-    const float u = lanes_.neighbor[0].u[lane] + fallback.u(lane);
-    if (fit.mayCount && fit.best.u - u < kAgree && u - fit.best.u < mostBelow(nodes_[lane].smooth))
-        return fit.best;
-    FrontsMeet fronts(fallback.g(lane));
-    for (std::size_t k = 0; k < lanes_.count[lane]; ++k) fronts.add(lanes_.at(lane, k));
-    return {u,     fallback.g(lane),      fit.best.source,    true, fronts.meet(),
-            false, fallback.detour(lane), fallback.ends(lane)};
+void JetGroup::decide(unsigned nodes, const BestFits& fits, const FermatGroup& fallback,
+                      Solutions& solutions) const {
+    Lanes u, x{}, y{}, turn;
+    for (unsigned left = nodes; left; left &= left - 1) {
+        const auto k = std::size_t(std::countr_zero(left));
+        const Solution& best = fits[k].best;
+        u[k] = lanes_.neighbor[0].u[k] + fallback.u(k);
+        if (fits[k].mayCount && best.u - u[k] < kAgree &&
+            u[k] - best.u < mostBelow(nodes_[k].smooth)) {
+            solutions[k] = best, nodes &= ~(1u << k);
+            continue;
+        }
+        const Vec2f g = fallback.g(k);
+        x[k] = g.x, y[k] = g.y;
+    }
+    if (!nodes) return;
+    findTurns(lanes_, x, y, turn);
+    for (; nodes; nodes &= nodes - 1) {
+        const auto k = std::size_t(std::countr_zero(nodes));
+        solutions[k] = {
+            u[k],  {x[k], y[k]},       fits[k].best.source, true, turn[k] > FrontsMeet::kTurn,
+            false, fallback.detour(k), fallback.ends(k)};
+    }
 }
 
 JetGroup::Solution JetGroup::solvePerSource(std::size_t lane) const {

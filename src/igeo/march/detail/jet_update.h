@@ -103,8 +103,11 @@ private:
     void solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solutions) const;
     /// What the fits of a node come to.
     BestFit bestFit(std::size_t lane, const Fits& fits) const;
-    /// The fit of a node, or its fallback.
-    Solution decide(std::size_t lane, const BestFit& fit, const FermatGroup& fallback) const;
+    using BestFits = std::array<BestFit, Lanes::kNodes>;
+    /// The fits of nodes, or their fallbacks.
+    /// @param nodes  bits
+    void decide(unsigned nodes, const BestFits& fits, const FermatGroup& fallback,
+                Solutions& solutions) const;
     Solution solvePerSource(std::size_t lane) const;
     void closeLanes() {
         for (std::size_t k = size_; k < Lanes::kNodes; ++k) lanes_.count[k] = 0, lanes_.base[k] = 0;
