@@ -273,12 +273,14 @@ bool Extension::gatherAround(Doubtful::Node& node, const LeafNumbers<2>* core, c
     layOut(core_, lifted_, band_.footOf(at.node), middle, node.local, box);
     const bool clear = metric_.clear(at.node),
                mayBeApart = !clear || band_.facing[at.node] & Band::kBesideSevered;
+    const std::uint32_t severed = mayBeApart ? band_.severedSteps(at.node) : 0;
     bool onSheet = false;
     box.forOnSheet([&](std::size_t k) {
         const JetNode& other = core_.nodes[box.node[k]];
-        if (mayBeApart && (!isJoined(at.node, other) ||
-                           (!clear && isHidden(core_, other, band_.footPoint(at.node),
-                                               node.local.frame.normal() + other.normal))))
+        if (mayBeApart &&
+            ((!isLinkedTo(middle + box.stepOf(k), severed) && !isJoined(at.node, other)) ||
+             (!clear && isHidden(core_, other, band_.footPoint(at.node),
+                                 node.local.frame.normal() + other.normal))))
             return;
         onSheet = true;
         if (jets_.accepted(box.node[k]) && !node.around.full())

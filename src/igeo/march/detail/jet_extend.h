@@ -154,6 +154,11 @@ private:
     double weightOf(NodeIndex i) const {
         return metric_.anisotropic() ? core_.localFrameInBand(i).weight : metric_.at(i);
     }
+    /// Whether a step leads to a neighbor, over a link that is not severed.
+    static bool isLinkedTo(const Ijk& step, std::uint32_t severedSteps) {
+        return std::max({std::abs(step.x), std::abs(step.y), std::abs(step.z)}) <= 1 &&
+               !(severedSteps & SeveredLinks::bit(step.x, step.y, step.z));
+    }
     /// Whether no severed links part node i from a core node.
     bool isJoined(NodeIndex i, const JetNode& other) const {
         return !(band_.facing[i] & Band::kBesideSevered) || band_.joined(i, core_.inBand(other));

@@ -87,6 +87,10 @@ struct BoxLanes {
                 visit(first + std::size_t(std::countr_zero(bits)));
     }
     Vec3f chord(std::size_t k) const { return {x[k], y[k], z[k]}; }
+    /// From the middle.
+    Ijk stepOf(std::size_t k) const {
+        return {int(step[k] >> 6) - 2, int(step[k] >> 3 & 7) - 2, int(step[k] & 7) - 2};
+    }
 };
 /// Lays the nodes out in the chart of the foot point.
 /// @param lifted     liftedOf(jets), or empty: directions are not set
