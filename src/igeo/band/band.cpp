@@ -230,22 +230,7 @@ bool Band::severed(NodeIndex i, NodeIndex j) const {
 
 bool Band::joined(NodeIndex i, NodeIndex j) const {
     if (!(facing[i] & facing[j] & kBesideSevered) || i == j) return true;
-    const Ijk d = ijk(j) - ijk(i);
-    auto within = [](int x, int y, int z) {
-        return std::max({std::abs(x), std::abs(y), std::abs(z)}) <= 1;
-    };
-    if (within(d.x, d.y, d.z) && !severed(i, j)) return true;
-    const std::uint32_t fromI = severedSteps(i), fromJ = severedSteps(j);
-    auto first = [](int step) { return std::max(-1, step - 1); };
-    auto last = [](int step) { return std::min(1, step + 1); };
-    for (int x = first(d.x); x <= last(d.x); ++x)
-        for (int y = first(d.y); y <= last(d.y); ++y)
-            for (int z = first(d.z); z <= last(d.z); ++z)
-                if ((x || y || z) && !(fromI & SeveredLinks::bit(x, y, z)) &&
-                    !(fromJ & SeveredLinks::bit(x - d.x, y - d.y, z - d.z)) &&
-                    neighbor(i, x, y, z) != kNoNode)
-                    return true;
-    return false;
+    return joined(placeOf(i), ijk(j) - ijk(i), severedSteps(i), severedSteps(j));
 }
 
 std::vector<NodeIndex> Band::spineNear(const Vec3d& p) const {

@@ -285,6 +285,9 @@ struct Band {
     /// Whether no severed link parts two nodes up to two steps apart: a node is a neighbor of both
     /// that no severed link parts from either. False further off, where links are severed.
     bool joined(NodeIndex i, NodeIndex j) const;
+    /// The same for a node at a place and another a step away, both beside severed links.
+    /// @param fromI, fromJ  severedSteps() of them
+    bool joined(const Place& at, const Ijk& step, std::uint32_t fromI, std::uint32_t fromJ) const;
 
     /// Adds bridges between nodes of the core, in both directions.
     /// Time O(n log n).
@@ -398,6 +401,23 @@ void Band::forNeighbors(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
                     slice(dx, sy, z == 0 ? 0 : 1, one);
                 }
         }
+}
+
+inline bool Band::joined(const Place& at, const Ijk& step, std::uint32_t fromI,
+                         std::uint32_t fromJ) const {
+    const auto first = [](int d) { return std::max(-1, d - 1); };
+    const auto last = [](int d) { return std::min(1, d + 1); };
+    if (std::max({std::abs(step.x), std::abs(step.y), std::abs(step.z)}) <= 1 &&
+        !(fromI & SeveredLinks::bit(step.x, step.y, step.z)))
+        return true;
+    for (int x = first(step.x); x <= last(step.x); ++x)
+        for (int y = first(step.y); y <= last(step.y); ++y)
+            for (int z = first(step.z); z <= last(step.z); ++z)
+                if ((x || y || z) && !(fromI & SeveredLinks::bit(x, y, z)) &&
+                    !(fromJ & SeveredLinks::bit(x - step.x, y - step.y, z - step.z)) &&
+                    neighbor(&BandLeaf::band, at.leaf, at.offset, {x, y, z}) != kNoNode)
+                    return true;
+    return false;
 }
 
 template <typename Visit>

@@ -21,7 +21,8 @@ using JetCorePtr = std::shared_ptr<const JetCore>;
 /// @param metric weights or tensors, obstacles, or null
 /// @throws Error  InvalidArgument for a metric out of range (tensors: ratio of costs in a tangent
 ///         plane above 20), or a band narrower than sqrt(3)/2 voxels
-/// Time O(n), in parallel, about as long as a march; 60 bytes per node of the band.
+/// Time O(n), in parallel, about as long as a march; 60 bytes per node of the band, and 21 more
+/// once a march has filled it.
 JetCorePtr jetCore(const Band& band, MetricPtr metric);
 
 /// The nodes of the core around points of S, sorted: where they are known, so is the distance at

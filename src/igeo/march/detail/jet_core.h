@@ -10,6 +10,7 @@
 #include <igeo/march/detail/jet_link.h>
 #include <igeo/march/detail/jet_neighbors.h>
 #include <igeo/march/detail/jet_rim.h>
+#include <igeo/march/detail/leaf_corners.h>
 #include <igeo/metric/metric.h>
 
 #include <algorithm>
@@ -54,6 +55,7 @@ struct JetCore {
     bool stenciled = false;        ///< neighbors are those of JetStencil
     float largestRatio = 1;        ///< of the costs along the two axes in a tangent plane
     double leastCost = kInfinity;  ///< per unit length along S, over the core
+    SharedLeafCorners corners;     ///< of the band; many marches share them
 
     JetCore(const Band& b, MetricPtr m) : band(b), metricPtr(std::move(m)) {}
 

@@ -4,8 +4,10 @@
 
 #include <igeo/march/detail/jet_fit.h>
 #include <igeo/march/detail/jet_state.h>
+#include <igeo/march/detail/leaf_corners.h>
 
 #include <array>
+#include <span>
 
 namespace igeo {
 
@@ -82,10 +84,17 @@ struct LiftedJet {
 using LiftedJets = std::vector<LiftedJet>;
 LiftedJets liftedOf(const CoreJets& jets);
 
-/// Reads the nodes around the points of which the trilinear weight is at least a hundredth.
+/// Bits, per point: the corners at which a node is of a trilinear weight of at least a hundredth.
+void findCornersThatCount(const CellPoints& points, JetCorners::PerLane<std::uint32_t>& bits);
+
+/// Reads the nodes at the corners that count.
 /// @param lifted  liftedOf(jets), or empty: those that are needed are computed
 void gatherCorners(const CoreJets& jets, const LiftedJets& lifted, const CellPoints& points,
                    JetCorners& corners);
+/// The same where the corners that count are known.
+/// @param lifted  liftedOf(jets)
+void gatherCorners(const CoreJets& jets, const LiftedJets& lifted, const CellPoints& points,
+                   std::span<const CornerSlot> slots, JetCorners& corners);
 /// The same as the march has left the nodes, also where fronts meet.
 void gatherMarched(const CoreJets& jets, const CellPoints& points, JetCorners& corners);
 /// The same but for directions of travel, which are not set.

@@ -41,6 +41,87 @@ struct CoreArrays {
     std::int32_t hindrance = hindranceBits();
 };
 
+/// The corners that count, found as they are asked for.
+template <int Width>
+class CornersInCells {
+    using V = typename Registers<Width>::Vector;
+    using Integers = typename Registers<Width>::Integers;
+
+public:
+    IGEO_INLINE CornersInCells(const CellPoints& points, std::size_t first)
+        : points_(points), first_(first) {
+        constexpr float kLight = 0.01f;
+        const V x = in(points_.x), y = in(points_.y), z = in(points_.z);
+        const V low[] = {1 - x, 1 - y, 1 - z},
+                high[] = {1 - absolute(x - 1), 1 - absolute(y - 1), 1 - absolute(z - 1)};
+        for (int k = 0; k < int(JetCorners::kMax); ++k) {
+            const V weight =
+                (k & 4 ? high : low)[0] * (k & 2 ? high : low)[1] * (k & 1 ? high : low)[2];
+            const auto node = loadAs<Integers>(points_.node[std::size_t(k)].data() + first_);
+            left_ |= (node != std::int32_t(kNoNode)) & (weight >= kLight) & (1 << k);
+        }
+    }
+    IGEO_INLINE const Integers& bits() const { return left_; }
+    /// The next corner of each point.
+    /// @param there   whether it has one
+    /// @param corner  in its cell
+    IGEO_INLINE bool next(Integers& there, Integers& corner, Integers& node) {
+        if (!any(left_)) return false;
+        there = left_ != 0;
+        const Integers bit = left_ & -left_;
+        left_ ^= bit;
+        // A power of two as a floating-point number has its logarithm in its exponent.
+        corner = there & ((Integers(__builtin_convertvector(bit, V)) >> 23) - 127);
+        alignas(32) std::uint32_t k[Width], index[Width];
+        storeLanes(corner, k);
+        for (int lane = 0; lane < Width; ++lane)
+            index[lane] = points_.node[k[lane]][first_ + std::size_t(lane)];
+        node = loadAs<Integers>(index);
+        return true;
+    }
+
+private:
+    IGEO_INLINE V in(const Lanes& l) const { return *reinterpret_cast<const V*>(l.of + first_); }
+
+    const CellPoints& points_;
+    const std::size_t first_;
+    Integers left_{};
+};
+
+template <int Width>
+struct BytesPerLane;
+template <>
+struct BytesPerLane<4> {
+    typedef std::uint8_t Vector __attribute__((vector_size(4)));
+};
+template <>
+struct BytesPerLane<8> {
+    typedef std::uint8_t Vector __attribute__((vector_size(8)));
+};
+
+/// The corners that count, as they are known.
+template <int Width>
+class KnownCorners {
+    using Integers = typename Registers<Width>::Integers;
+
+public:
+    IGEO_INLINE KnownCorners(std::span<const CornerSlot> slots, std::size_t first)
+        : at_(slots.data()), end_(at_ + slots.size()), first_(first) {}
+    IGEO_INLINE bool next(Integers& there, Integers& corner, Integers& node) {
+        if (at_ == end_) return false;
+        node = loadAs<Integers>(at_->node.data() + first_);
+        there = node != std::int32_t(kNoNode);
+        using Bytes = typename BytesPerLane<Width>::Vector;
+        corner = __builtin_convertvector(loadAs<Bytes>(at_->corner.data() + first_), Integers);
+        ++at_;
+        return true;
+    }
+
+private:
+    const CornerSlot *at_, *const end_;
+    const std::size_t first_;
+};
+
 template <int Width>
 class CornerLanes {
     using V = typename Registers<Width>::Vector;
@@ -51,31 +132,22 @@ public:
     IGEO_INLINE CornerLanes(const CellPoints& points, std::size_t first, JetCorners& corners)
         : points_(points), first_(first), corners_(corners) {}
 
-    IGEO_INLINE void gather(const CoreArrays& core) const {
+    template <typename Corners>
+    IGEO_INLINE void gather(const CoreArrays& core, Corners at) const {
         constexpr float kFlat = 0.8f;
         const V x = in(points_.x), y = in(points_.y), z = in(points_.z);
         const V low[] = {1 - x, 1 - y, 1 - z},
                 high[] = {1 - absolute(x - 1), 1 - absolute(y - 1), 1 - absolute(z - 1)};
         const Vectors normal{in(points_.nx), in(points_.ny), in(points_.nz)};
         const V weight = in(points_.weight);
-        Integers left = corners(low, high), count{}, bucket{}, marks{}, smooth = ~Integers{};
-        for (std::size_t slot = 0; any(left); ++slot) {
-            // The next corner of each point.
-            const Integers there = left != 0, bit = left & -left;
-            left ^= bit;
+        Integers count{}, bucket{}, marks{}, smooth = ~Integers{}, there, k, node;
+        for (std::size_t slot = 0; at.next(there, k, node); ++slot) {
             count -= there;  // flags are -1
-            // A power of two as a floating-point number has its logarithm in its exponent.
-            const Integers k = there & ((Integers(__builtin_convertvector(bit, V)) >> 23) - 127);
             const Integers a = k >> 2, b = k >> 1 & 1, c = k & 1;
-            alignas(32) std::uint32_t corner[Width], index[Width];
-            std::memcpy(corner, &k, sizeof corner);
-            for (int lane = 0; lane < Width; ++lane)
-                index[lane] = points_.node[corner[lane]][first_ + std::size_t(lane)];
-            Integers node;
-            std::memcpy(&node, index, sizeof node);
             put(corners_.node[slot].data(), node);
             node &= there;
-            std::memcpy(index, &node, sizeof index);
+            alignas(32) std::uint32_t index[Width];
+            storeLanes(node, index);
 
             V footAndX[4], rest[4], state[4], lifted[4];
             loadFours<Width>(core.nodes, sizeof(JetNode), index, footAndX);
@@ -120,26 +192,9 @@ public:
     }
 
 private:
-    /// Bits: the corners of each point that are there and not light.
-    IGEO_INLINE Integers corners(const V (&low)[3], const V (&high)[3]) const {
-        constexpr float kLight = 0.01f;
-        Integers all{};
-        for (int k = 0; k < int(JetCorners::kMax); ++k) {
-            const V weight =
-                (k & 4 ? high : low)[0] * (k & 2 ? high : low)[1] * (k & 1 ? high : low)[2];
-            const Integers node = integers(points_.node[std::size_t(k)].data());
-            all |= (node != std::int32_t(kNoNode)) & (weight >= kLight) & (1 << k);
-        }
-        return all;
-    }
     IGEO_INLINE static V where(const Integers& there, const V& v) { return V(there & Integers(v)); }
     IGEO_INLINE V in(const Lanes& l) const { return *reinterpret_cast<const V*>(l.of + first_); }
     IGEO_INLINE V& out(Lanes& l) const { return *reinterpret_cast<V*>(l.of + first_); }
-    IGEO_INLINE Integers integers(const NodeIndex* from) const {
-        Integers all;
-        std::memcpy(&all, from + first_, sizeof all);
-        return all;
-    }
     template <typename T>
     IGEO_INLINE void put(T* to, const Integers& all) const {
         std::memcpy(to + first_, &all, sizeof all);
@@ -152,12 +207,21 @@ private:
 
 void gatherByFour(const CoreArrays& core, const CellPoints& points, JetCorners& corners) {
     for (std::size_t first = 0; first < Lanes::kNodes; first += 4)
-        CornerLanes<4>(points, first, corners).gather(core);
+        CornerLanes<4>(points, first, corners).gather(core, CornersInCells<4>(points, first));
+}
+void gatherKnownByFour(const CoreArrays& core, const CellPoints& points,
+                       std::span<const CornerSlot> slots, JetCorners& corners) {
+    for (std::size_t first = 0; first < Lanes::kNodes; first += 4)
+        CornerLanes<4>(points, first, corners).gather(core, KnownCorners<4>(slots, first));
 }
 #ifdef IGEO_AVX2
 IGEO_AVX2 void gatherByEight(const CoreArrays& core, const CellPoints& points,
                              JetCorners& corners) {
-    CornerLanes<8>(points, 0, corners).gather(core);
+    CornerLanes<8>(points, 0, corners).gather(core, CornersInCells<8>(points, 0));
+}
+IGEO_AVX2 void gatherKnownByEight(const CoreArrays& core, const CellPoints& points,
+                                  std::span<const CornerSlot> slots, JetCorners& corners) {
+    CornerLanes<8>(points, 0, corners).gather(core, KnownCorners<8>(slots, 0));
 }
 #endif
 
@@ -256,6 +320,11 @@ void takeMeetings(const CoreJets& jets, const CellPoints& points, JetCorners& co
 
 }  // namespace
 
+void findCornersThatCount(const CellPoints& points, JetCorners::PerLane<std::uint32_t>& bits) {
+    for (std::size_t first = 0; first < Lanes::kNodes; first += 4)
+        storeLanes(CornersInCells<4>(points, first).bits(), bits.data() + first);
+}
+
 void gatherMarched(const CoreJets& jets, const CellPoints& points, JetCorners& corners) {
     gather(arraysOf(jets), points, corners);
 }
@@ -269,6 +338,15 @@ void gatherCorners(const CoreJets& jets, const LiftedJets& lifted, const CellPoi
     if (!lifted.empty()) return gather(arraysOf(jets, lifted.data()), points, corners);
     gatherMarched(jets, points, corners);
     if (jets.meetings) takeMeetings(jets, points, corners);
+}
+
+void gatherCorners(const CoreJets& jets, const LiftedJets& lifted, const CellPoints& points,
+                   std::span<const CornerSlot> slots, JetCorners& corners) {
+    const CoreArrays core = arraysOf(jets, lifted.data());
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return gatherKnownByEight(core, points, slots, corners);
+#endif
+    gatherKnownByFour(core, points, slots, corners);
 }
 
 }  // namespace igeo

@@ -52,15 +52,7 @@ void Extension::extendTo(Group& group, std::size_t lane, const CarriedJets& carr
 
 void Extension::findCorners(Group& group) const {
     CellPoints& points = group.points;
-    findCells(group.feet, feetFromPsi_, points);
     for (std::size_t lane = 0; lane < group.size; ++lane) {
-        const int cell = group.feet.cell[lane];
-        if (group.core && cell >= 0) {
-            const NodeIndex* const low = group.core->cell(cell);
-            for (unsigned k = 0; k < 8; ++k)
-                points.node[k][lane] = low[LeafNumbers<2>::kCorners[k]];
-            continue;
-        }
         const Outside& node = group.nodes[lane];
         const Vec3f foot = band_.footOf(node.node);
         points.clearNodes(lane);
@@ -73,8 +65,13 @@ void Extension::findCorners(Group& group) const {
 
 void Extension::solve(Group& group) const {
     if (group.size == 0) return;
-    findCorners(group);
-    gatherCorners(jets_, lifted_, group.points, group.corners);
+    findCells(group.feet, feetFromPsi_, group.points);
+    if (group.slots) {
+        gatherCorners(jets_, lifted_, group.points, *group.slots, group.corners);
+    } else {
+        findCorners(group);
+        gatherCorners(jets_, lifted_, group.points, group.corners);
+    }
     CarriedJets carried;
     if (!metric_.anisotropic()) carryFromCorners(group.corners, band_.faceted, carried);
     if (mayBePlain_) findValues(jets_, group.corners, carried, group.points.weight, group.feet);
@@ -136,27 +133,22 @@ void Extension::takeCore(LeafIndex l, std::span<const std::uint32_t> nodes, Foot
     }
 }
 
-void Extension::extendLeaf(LeafIndex l, Group& group, NodeJet* to) const {
-    const LeafNodes& core = band_.leaves[l].core;
+void Extension::extendLeaf(LeafIndex l, const LeafCorners& corners, Group& group,
+                           NodeJet* to) const {
     const Ijk origin = band_.leaves[l].origin;
     for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane) group.feet.setLeaf(lane, origin);
-    // Which nodes are in the core changes from one to the next: first lists of both, without
-    // branches, of offsets and 2^16 times places among the nodes.
-    std::array<std::uint32_t, 512> inCore, outside;
-    std::size_t coreCount = 0, outsideCount = 0;
+    const std::span nodes(corners.nodes);
+    takeCore(l, nodes.first(corners.coreCount), group.feet, to);
     const NodeIndex first = band_.leaves[l].band.firstNode;
-    std::uint32_t rank = 0;
-    band_.forNodes(l, [&](NodeIndex, unsigned at) {
-        const std::size_t isCore = core.mask[at >> 6] >> (at & 63) & 1;
-        inCore[coreCount] = outside[outsideCount] = rank++ << 16 | at;
-        coreCount += isCore, outsideCount += 1 - isCore;
-    });
-    takeCore(l, {inCore.data(), coreCount}, group.feet, to);
-    for (std::size_t k = 0; k < outsideCount; ++k) {
-        const std::uint32_t n = outside[k] >> 16, at = outside[k] & 0xffff;
-        begin({first + n, l, at, to + n}, group);
+    const CornerSlot* slots = corners.slots.data();
+    const std::uint8_t* most = corners.most.data();
+    for (std::size_t k = corners.coreCount; k < nodes.size();
+         k += Lanes::kNodes, slots += *most++) {
+        group.slots = std::span(slots, *most);
+        for (const std::uint32_t node : nodes.subspan(k, std::min(Lanes::kNodes, nodes.size() - k)))
+            begin({first + (node >> 16), l, node & 0xffff, to + (node >> 16)}, group);
+        solve(group);
     }
-    solve(group);
 }
 
 void Extension::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
@@ -277,10 +269,9 @@ bool Extension::gatherAround(Doubtful::Node& node, const LeafNumbers<2>* core, c
     bool onSheet = false;
     box.forOnSheet([&](std::size_t k) {
         const JetNode& other = core_.nodes[box.node[k]];
-        if (mayBeApart &&
-            ((!isLinkedTo(middle + box.stepOf(k), severed) && !isJoined(at.node, other)) ||
-             (!clear && isHidden(core_, other, band_.footPoint(at.node),
-                                 node.local.frame.normal() + other.normal))))
+        if (mayBeApart && (!isJoined(at, severed, middle + box.stepOf(k), other) ||
+                           (!clear && isHidden(core_, other, band_.footPoint(at.node),
+                                               node.local.frame.normal() + other.normal))))
             return;
         onSheet = true;
         if (jets_.accepted(box.node[k]) && !node.around.full())
@@ -334,7 +325,8 @@ void Extension::addDoubtful(const Outside& at, Group& group) const {
     Doubtful::Node& node = doubtful.nodes.emplace_back(at, core_.localFrameInBand(i));
     // Where the foot point is off, the core passes within two voxels all the same.
     const Ijk middle = roundToIjk(Vec3d(band_.footOf(i)));
-    if (!gatherAround(node, group.core, middle, 1)) gatherAround(node, group.core, {}, 2);
+    const LeafNumbers<2>* const core = numbersOf(group, at.leaf);
+    if (!gatherAround(node, core, middle, 1)) gatherAround(node, core, {}, 2);
     if (node.around.count == 0) {
         finish(at, byWalks(at, node.local));
         doubtful.nodes.pop_back();

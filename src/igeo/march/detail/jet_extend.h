@@ -6,10 +6,12 @@
 #include <igeo/march/detail/jet_rays.h>
 #include <igeo/march/detail/jet_start.h>
 #include <igeo/march/detail/jet_update.h>
+#include <igeo/march/detail/leaf_corners.h>
 #include <igeo/march/field.h>
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -95,7 +97,10 @@ public:
     };
     /// Nodes outside the core that are extended side by side.
     struct Group {
-        const LeafNumbers<2>* core = nullptr;  ///< of the leaf of the nodes, if known
+        /// Of the leaf of the nodes, filled where needed; null: the nodes are of any leaves.
+        LeafNumbers<2>* core = nullptr;
+        LeafIndex numbered = kNoLeaf;                      ///< the leaf that it is filled for
+        std::optional<std::span<const CornerSlot>> slots;  ///< of the nodes, if known
         std::size_t size = 0;
         std::array<Outside, Lanes::kNodes> nodes;
         FootLanes feet;
@@ -108,10 +113,10 @@ public:
         bool full() const { return size == nodes.size(); }
     };
     /// The jets of the nodes of a leaf.
-    /// @param group  of size 0, with the numbers of the leaf; takes the nodes that are left to
-    ///               finish()
-    /// @param to     a jet per node
-    void extendLeaf(LeafIndex l, Group& group, NodeJet* to) const;
+    /// @param corners  of the leaf
+    /// @param group    of size 0, with numbers; takes the nodes that are left to finish()
+    /// @param to       a jet per node
+    void extendLeaf(LeafIndex l, const LeafCorners& corners, Group& group, NodeJet* to) const;
     /// Extends what is left in a group.
     void finish(Group& group) const {
         solve(group);
@@ -154,14 +159,16 @@ private:
     double weightOf(NodeIndex i) const {
         return metric_.anisotropic() ? core_.localFrameInBand(i).weight : metric_.at(i);
     }
-    /// Whether a step leads to a neighbor, over a link that is not severed.
-    static bool isLinkedTo(const Ijk& step, std::uint32_t severedSteps) {
-        return std::max({std::abs(step.x), std::abs(step.y), std::abs(step.z)}) <= 1 &&
-               !(severedSteps & SeveredLinks::bit(step.x, step.y, step.z));
-    }
     /// Whether no severed links part node i from a core node.
     bool isJoined(NodeIndex i, const JetNode& other) const {
         return !(band_.facing[i] & Band::kBesideSevered) || band_.joined(i, core_.inBand(other));
+    }
+    /// The same for one a step away.
+    /// @param severed  Band::severedSteps of the node
+    bool isJoined(const Outside& node, std::uint32_t severed, const Ijk& step,
+                  const JetNode& other) const {
+        return !(band_.facing[node.node] & other.facing & Band::kBesideSevered) ||
+               band_.joined({node.leaf, node.offset}, step, severed, core_.severedSteps(other));
     }
     double largestCost(NodeIndex i) const {
         if (!metric_.anisotropic()) return metric_.at(i);
@@ -177,6 +184,10 @@ private:
     void solve(Group& group) const;
     /// The numbers of the core nodes around the foot points.
     IGEO_INLINE void findCorners(Group& group) const;
+    const LeafNumbers<2>* numbersOf(Group& group, LeafIndex l) const {
+        if (group.core && group.numbered != l) group.core->fill(band_, l), group.numbered = l;
+        return group.core;
+    }
     /// Whether the carried jet of a node is all there is to it, but for its bound. For most nodes.
     bool isPlain(const Group& group, std::size_t lane) const {
         return group.feet.plain[lane] && !mayMissFront(group, lane) &&

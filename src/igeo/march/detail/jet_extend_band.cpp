@@ -1,5 +1,6 @@
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/jet_extend.h>
+#include <igeo/march/detail/jet_extend_corners.h>
 
 // Fields on the core: all of the band, leaf by leaf, or some of its nodes.
 namespace igeo {
@@ -37,12 +38,26 @@ void extendByLeaf(const CoreJets& jets, const std::vector<std::uint8_t>& wanted,
     const std::vector<BandLeaf>& leaves = jets.core->band.leaves;
     const LiftedJets lifted = liftedOf(jets);
     const Extension extension(jets, lifted);
+    const Band& band = jets.core->band;
+    // Empty for a single march, which finds them leaf by leaf.
+    static const std::vector<LeafCorners> kNone;
+    const std::vector<LeafCorners>& known =
+        jets.core->links.empty()
+            ? kNone
+            : jets.core->corners.get([&] { return jet::cornersOfLeaves(band); });
     // Nodes that may be where fronts meet are solved side by side, over so many leaves.
     constexpr std::size_t kAtOnce = 16;
     parallelFor(leaves.size(), kAtOnce, [&](std::size_t begin, std::size_t end) {
         LeafNumbers<2> numbers;
         Extension::Group group;
         group.core = &numbers;
+        LeafCorners here;
+        const auto cornersOf = [&](LeafIndex l) -> const LeafCorners& {
+            if (!known.empty()) return known[l];
+            numbers.fill(band, l), group.numbered = l;
+            jet::findCorners(band, l, numbers, here);
+            return here;
+        };
         std::vector<NodeJet> found;
         for (std::size_t next; begin < end; begin = next) {
             next = std::min(begin + kAtOnce, end);
@@ -55,8 +70,8 @@ void extendByLeaf(const CoreJets& jets, const std::vector<std::uint8_t>& wanted,
             };
             for (std::size_t l = begin; l < next; ++l) {
                 if (!wanted.empty() && !wanted[l]) continue;
-                numbers.fill(jets.core->band, LeafIndex(l));
-                extension.extendLeaf(LeafIndex(l), group, jetsOf(l).data());
+                extension.extendLeaf(LeafIndex(l), cornersOf(LeafIndex(l)), group,
+                                     jetsOf(l).data());
             }
             extension.finish(group);
             for (std::size_t l = begin; l < next; ++l) visit(LeafIndex(l), jetsOf(l));
