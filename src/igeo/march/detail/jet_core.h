@@ -108,6 +108,15 @@ struct JetCore {
     }
 };
 
+/// Whether the march has a node at another point than its own foot point: at the rim or a corner of
+/// an obstacle. Its jet belongs to that point.
+inline bool isMoved(const JetCore& core, NodeIndex k) {
+    constexpr float kOff = 0.1f;  // voxels
+    const JetNode& node = core.nodes[k];
+    return node.obstacleState != Metric::Clear &&
+           length(node.foot - core.band.footOf(core.inBand(node))) > kOff;
+}
+
 /// @throws Error  InvalidArgument for a metric that does not fit the band, where costs along S
 ///         differ by more than kLargestRatio, or for more nodes than links can name
 /// Time O(n), in parallel; 10 bytes per node of the band. With stencils the links of all nodes are
@@ -117,6 +126,10 @@ std::unique_ptr<JetCore> buildJetCore(const Band& band, MetricPtr metric);
 /// The neighbors of every node by Selling's reduction of the metric in its tangent plane, the nodes
 /// that use it, and its links. Time O(n), in parallel.
 JetStencil buildStencil(const JetCore& core);
+/// Moves nodes inside an obstacle, but next to one outside, and those just outside onto its rim,
+/// and others to its corners, so that fronts go along the rim and not along the voxels outside of
+/// it. Time O(nodes beside obstacles), in parallel, and a byte per node.
+void placeRimNodes(JetCore& core);
 /// Makes the links of all nodes. Time O(n), in parallel; 46 bytes per node of the band.
 void buildLinks(JetCore& core, const JetStencil& stencil = {});
 

@@ -106,18 +106,22 @@ void Extension::begin(const Outside& node, Group& group) const {
     if (group.full()) solve(group);
 }
 
-void Extension::takeCore(LeafIndex l, std::span<const std::uint32_t> nodes, FootLanes& feet,
+void Extension::takeCore(LeafIndex l, std::span<const std::uint32_t> nodes, Group& group,
                          NodeJet* to) const {
     const NodeIndex first = band_.leaves[l].band.firstNode,
                     firstCore = band_.leaves[l].core.firstNode;
     if (!mayBePlain_) {
         for (std::size_t k = 0; k < nodes.size(); ++k) {
-            const Ijk voxel = band_.leaves[l].origin + stepOf(nodes[k] & 0xffff);
-            const std::uint32_t n = nodes[k] >> 16;
-            to[n] = finished(first + n, ofCore(NodeIndex(firstCore + k), voxel));
+            const std::uint32_t n = nodes[k] >> 16, at = nodes[k] & 0xffff;
+            const auto core = NodeIndex(firstCore + k);
+            if (isMoved(core_, core))
+                begin({first + n, l, at, to + n}, group);
+            else
+                to[n] = finished(first + n, ofCore(core, band_.leaves[l].origin + stepOf(at)));
         }
         return;
     }
+    FootLanes& feet = group.feet;
     for (std::size_t begin = 0; begin < nodes.size(); begin += Lanes::kNodes) {
         const std::size_t count = std::min(Lanes::kNodes, nodes.size() - begin);
         for (std::size_t k = 0; k < count; ++k) feet.offset[k] = nodes[begin + k] & 0xffff;
@@ -138,7 +142,9 @@ void Extension::extendLeaf(LeafIndex l, const LeafCorners& corners, Group& group
     const Ijk origin = band_.leaves[l].origin;
     for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane) group.feet.setLeaf(lane, origin);
     const std::span nodes(corners.nodes);
-    takeCore(l, nodes.first(corners.coreCount), group.feet, to);
+    group.slots.reset();
+    takeCore(l, nodes.first(corners.coreCount), group, to);
+    solve(group);
     const NodeIndex first = band_.leaves[l].band.firstNode;
     const CornerSlot* slots = corners.slots.data();
     const std::uint8_t* most = corners.most.data();
@@ -157,7 +163,7 @@ void Extension::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
         if (nodes[n] == kNoNode) continue;
         const auto [l, at] = band_.placeOf(nodes[n]);
         const NodeIndex k = band_.leaves[l].core.node(at);
-        if (k != kNoNode) {
+        if (k != kNoNode && !isMoved(core_, k)) {
             to[n] = finished(nodes[n], ofCore(k, band_.leaves[l].origin + stepOf(at)));
             continue;
         }

@@ -175,10 +175,10 @@ private:
         const LocalFrame local = core_.localFrameInBand(i);
         return local.weight * double(local.stretch.largest());
     }
-    /// The jets of the core nodes of a leaf.
+    /// The jets of the core nodes of a leaf; those that are moved are left to the group.
     /// @param nodes  offsets and 2^16 times places among the nodes of the leaf
-    /// @param feet   in which the leaf is set
-    void takeCore(LeafIndex l, std::span<const std::uint32_t> nodes, FootLanes& feet,
+    /// @param group  in which the leaf is set
+    void takeCore(LeafIndex l, std::span<const std::uint32_t> nodes, Group& group,
                   NodeJet* to) const;
     IGEO_INLINE void begin(const Outside& node, Group& group) const;
     void solve(Group& group) const;

@@ -40,7 +40,7 @@ void SeedDirections::addNeighbor(NodeIndex i, const Chart& here, NodeIndex core,
     const bool isTurned = dot(here.frame.normal(), normal) < Band::kOtherSheet;
     if (isTurned) normal = -normal;
     const JetNeighbor n = flattened(here.frame, chord, normal, dot(here.frame.normal(), normal),
-                                    normalized(field_.gradient[j]), 0);
+                                    normalized(frames_.gradient(j)), 0);
     const Vec2f g = normalized(n.g);
     const float there = frames_.weight(j), mean = (here.weight + there) / 2,
                 cosine = dot(g, here.direction), size = length(n.a),
@@ -124,8 +124,8 @@ bool SeedDirections::bendBefore(NodeIndex core, const FrontNeighbors& all) const
 
 /// The frame and the departure at a core node, from those of nodes with smaller distances.
 void SeedDirections::carry(NodeIndex i) {
-    const Chart here = frames_.chart(i);
     const NodeIndex core = band_.coreNode(i);
+    const Chart here = frames_.chart(core);
     SeedFrame frame;
     Departure found;
     if (frames_.fromSeed(i, here, frame)) {
@@ -191,7 +191,7 @@ Departure SeedDirections::smooth(NodeIndex i) const {
     constexpr float kScatter = 0.002f, kPull = 0.01f;
     const NodeIndex core = band_.coreNode(i);
     const Departure own = measured_[core];
-    const Chart here = frames_.chart(i);
+    const Chart here = frames_.chart(core);
     SeedFrame frame;
     if (frames_.fromSeed(i, here, frame)) return own;
     struct Estimate {
@@ -232,14 +232,15 @@ Departure SeedDirections::smooth(NodeIndex i) const {
 /// Between core nodes: the mean of the nearest and of all that agree with it.
 Vec2f SeedDirections::interpolate(NodeIndex i) const {
     constexpr float kAgree = 0.98f;
-    const Chart here = frames_.chart(i);
+    const Chart here = frames_.chartAtFoot(i);
     if (SeedFrame frame; frames_.fromSeed(i, here, frame)) return frames_.measure(i, frame);
     FrontNeighbors all;
     auto addAround = [&](NodeIndex core) {
         const NodeIndex j = nodes_[core];
         if (dot(here.frame.normal(), band_.normal[j]) >= Band::kOtherSheet && band_.joined(i, j) &&
             !metric_.blocked(band_, i, j))
-            addNeighbor(i, here, core, Vec3f(band_.footPoint(i) - band_.footPoint(j)), all);
+            addNeighbor(i, here, core, Vec3f(band_.footPoint(i) - core_.footOf(core_.nodes[core])),
+                        all);
     };
     const Vec3f f = band_.footOf(i);
     const Ijk low{floorToInt(f.x), floorToInt(f.y), floorToInt(f.z)};
@@ -263,10 +264,11 @@ Vec2f SeedDirections::interpolate(NodeIndex i) const {
 }
 
 Vec2f SeedDirections::position(NodeIndex i) const {
-    const double d = frames_.distance(i);
-    if (!(d < kInfinity)) return kNoPosition;
+    if (!(field_.distance[i] < kInfinity)) return kNoPosition;
+    const double d = frames_.chartAtFoot(i).distance;
     const NodeIndex core = band_.coreNode(i);
-    const Vec2f v = core != kNoNode ? departures_[core].direction : interpolate(i);
+    const Vec2f v =
+        core != kNoNode && !isMoved(core_, core) ? departures_[core].direction : interpolate(i);
     // At the seed itself there is no direction.
     if (d > 1e-6 && v.x == 0 && v.y == 0) return kNoPosition;
     return float(d) * v;
@@ -276,9 +278,9 @@ std::vector<Vec2f> SeedDirections::positions(Progress& progress) {
     progress.update("logmap", 0);
     std::vector<NodeIndex> order;
     for (const NodeIndex i : nodes_)
-        if (field_.distance[i] < kInfinity) order.push_back(i);
+        if (frames_.arrival(i) < kInfinity) order.push_back(i);
     std::sort(order.begin(), order.end(), [&](NodeIndex a, NodeIndex b) {
-        return std::pair(field_.distance[a], a) < std::pair(field_.distance[b], b);
+        return std::pair(frames_.arrival(a), a) < std::pair(frames_.arrival(b), b);
     });
     auto forAll = [&](auto& out, double from, double to, const auto& value) {
         Steps steps(progress, "logmap", out.size(), from, to);

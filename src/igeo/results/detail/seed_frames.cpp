@@ -36,17 +36,41 @@ SeedFrames::SeedFrames(const Field& field, const Vec3d& reference)
     : band_(*field.band),
       field_(field),
       metric_(*field.metric),
+      core_(*field.jets->core),
+      distance_(field.distance),
+      gradient_(field.gradient),
+      label_(field.label),
       frames_(field.jets->core->nodes.size()) {
     for (const SurfacePoint& seed : field.seeds) atSeeds_.push_back(axesAt(field, seed, reference));
-    const JetCore& core = *field.jets->core;
-    nodes_.reserve(core.nodes.size());
-    for (const JetNode& node : core.nodes) nodes_.push_back(core.inBand(node));
+    nodes_.reserve(core_.nodes.size());
+    for (const JetNode& node : core_.nodes) nodes_.push_back(core_.inBand(node));
+    if (!metric_.obstacles) return;
+    ownDistance_ = field.distance, ownGradient_ = field.gradient, ownLabel_ = field.label;
+    for (NodeIndex k = 0; k < nodes_.size(); ++k) {
+        const NodeIndex i = nodes_[k];
+        if (!field.jets->accepted(k) || !isMoved(core_, k)) continue;
+        ownDistance_[i] = field.jets->valueOf(k);
+        ownGradient_[i] = core_.nodes[k].weight * field.jets->gradientOf(k);
+        if (!ownLabel_.empty()) ownLabel_[i] = field.jets->labelOf(k);
+    }
+    distance_ = ownDistance_, gradient_ = ownGradient_, label_ = ownLabel_;
 }
 
-Chart SeedFrames::chart(NodeIndex i) const {
+Chart SeedFrames::chart(NodeIndex core) const {
+    const NodeIndex i = nodes_[core];
+    return chart(i, core_.footOf(core_.nodes[core]), gradient(i), distance(i));
+}
+
+Chart SeedFrames::chartAtFoot(NodeIndex i) const {
+    const std::uint32_t source = field_.label.empty() ? 0 : field_.label[i];
+    return chart(i, band_.footPoint(i), field_.gradient[i],
+                 field_.distance[i] - field_.seeds[source].start);
+}
+
+Chart SeedFrames::chart(NodeIndex i, const Vec3d& foot, const Vec3f& gradient,
+                        double distance) const {
     const TangentFrame frame(band_.normal[i], band_.faceted);
-    return {frame, frame.flat(normalized(field_.gradient[i])), distance(i), weight(i),
-            logGradient(i)};
+    return {foot, frame, frame.flat(normalized(gradient)), distance, weight(i), logGradient(i)};
 }
 
 Vec3f SeedFrames::logGradient(NodeIndex i) const {
@@ -69,8 +93,7 @@ bool SeedFrames::fromSeed(NodeIndex i, const Chart& here, SeedFrame& out) const 
     constexpr double kLonger = 1.05, kSlack = 0.05;  // the latter voxels
     const std::uint32_t k = label(i);
     const SurfacePoint& seed = field_.seeds[k];
-    const Vec3d foot = band_.footPoint(i);
-    const Vec3f chord(foot - seed.pIndex);
+    const Vec3f chord(here.foot - seed.pIndex);
     const Vec3f normal(cross(atSeeds_[k].u, atSeeds_[k].v));
     const float cosine = dot(normal, here.frame.normal());
     if (length(chord) > float(field_.startRadius) || cosine < 0) return false;
@@ -78,7 +101,7 @@ bool SeedFrames::fromSeed(NodeIndex i, const Chart& here, SeedFrame& out) const 
     // over a jump of the weight.
     const double straight = double(length(here.frame.unfold(chord, normal, cosine)));
     if (here.distance >
-        (kLonger * straight + kSlack) * meanFromSeed(band_, metric_, seed, foot, here.weight))
+        (kLonger * straight + kSlack) * meanFromSeed(band_, metric_, seed, here.foot, here.weight))
         return false;
     SeedFrame there;
     there.axis = Vec3f(atSeeds_[k].u);
@@ -117,7 +140,7 @@ void SeedFrames::set(NodeIndex core, const Chart& here, const SeedFrame& frame) 
 }
 
 Vec2f SeedFrames::measure(NodeIndex i, const SeedFrame& frame) const {
-    const Vec3f g = normalized(field_.gradient[i]), n = band_.normal[i];
+    const Vec3f g = normalized(gradient(i)), n = band_.normal[i];
     return normalized(Vec2f{dot(frame.axis, g), dot(n, cross(frame.axis, g))});
 }
 

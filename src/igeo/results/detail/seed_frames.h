@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace igeo {
@@ -45,6 +46,7 @@ struct LineFit {
 
 /// A node's tangent plane, the direction of its geodesic there, and the weight.
 struct Chart {
+    Vec3d foot;
     TangentFrame frame;
     Vec2f direction;
     double distance;
@@ -106,10 +108,16 @@ public:
     const std::vector<SeedAxes>& atSeeds() const { return atSeeds_; }
     /// Core nodes in the band.
     const std::vector<NodeIndex>& nodes() const { return nodes_; }
-    std::uint32_t label(NodeIndex i) const { return field_.label.empty() ? 0 : field_.label[i]; }
-    double distance(NodeIndex i) const { return field_.distance[i] - field_.seeds[label(i)].start; }
+    std::uint32_t label(NodeIndex i) const { return label_.empty() ? 0 : label_[i]; }
+    /// With the start value of the seed.
+    double arrival(NodeIndex i) const { return distance_[i]; }
+    double distance(NodeIndex i) const { return distance_[i] - field_.seeds[label(i)].start; }
+    const Vec3f& gradient(NodeIndex i) const { return gradient_[i]; }
     float weight(NodeIndex i) const { return float(metric_.at(i)); }
-    Chart chart(NodeIndex i) const;
+    /// That of a core node, where the march has it.
+    Chart chart(NodeIndex core) const;
+    /// That of its own foot point.
+    Chart chartAtFoot(NodeIndex i) const;
 
     /// Near the seed: the seed's frame, transported along the chord. False elsewhere.
     bool fromSeed(NodeIndex i, const Chart& here, SeedFrame& out) const;
@@ -120,11 +128,20 @@ public:
     Vec2f measure(NodeIndex i, const SeedFrame& frame) const;
 
 private:
+    Chart chart(NodeIndex i, const Vec3d& foot, const Vec3f& gradient, double distance) const;
     Vec3f logGradient(NodeIndex i) const;
 
     const Band& band_;
     const Field& field_;
     const Metric& metric_;
+    const JetCore& core_;
+    /// Those of the field; of core nodes at rims and corners of obstacles those of the march.
+    std::span<const double> distance_;
+    std::span<const Vec3f> gradient_;
+    std::span<const std::uint32_t> label_;
+    std::vector<double> ownDistance_;
+    std::vector<Vec3f> ownGradient_;
+    std::vector<std::uint32_t> ownLabel_;
     std::vector<SeedAxes> atSeeds_;
     std::vector<NodeIndex> nodes_;
     std::vector<SeedFrame> frames_;
