@@ -23,63 +23,80 @@ Vec3d cornerNear(const SurfaceTriangles& triangles, const Vec3d& p) {
     return best;
 }
 
-/// The mean, in which no value counts more than half their number times the median: one alone then
-/// adds no more than half a median.
+/// The mean, in which no value counts more than all but a sixteenth, unless half their number times
+/// the median is more: a few that are far off add little. Where most are zero, as those on the face
+/// of the seed, the others count.
 double steadyMean(std::vector<double> values) {
     if (values.empty()) return 0;
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    const double most = double(values.size()) / 2 * *middle;
+    std::sort(values.begin(), values.end());
+    const std::size_t n = values.size();
+    const double most = std::max(values[n - 1 - n / 16], double(n) / 2 * values[n / 2]);
     double sum = 0;
     for (const double x : values) sum += std::min(x, most);
     return sum / double(values.size());
 }
 
 /// How S rounds an edge off. A geodesic over an edge of angle a becomes shorter by a share of a^2,
-/// and its curvature shows a: the loss is `perBend` times the integral of
-/// (k(s + apart) - k(s))^2 / 2, in which k is `sharpest` at most. Scatter alone makes `byScatter`
-/// of that per length. Voxels.
+/// and the turn w = dn/ds of the normal along it shows a: the loss is `perBend` times the integral
+/// of |w(s + apart) - w(s)|^2 / 2, in which |w| is `sharpest` at most. At an angle b to the normal
+/// of the edge the loss falls with cos b, as that of w does; the curvature along the geodesic falls
+/// with cos(b)^2. Scatter alone makes `byScatter` of that per length. Voxels.
 struct Rounding {
     double apart, sharpest, perBend, byScatter;
 };
 
 /// Voxels round an edge to an arc about 1.1 voxels long, which is 1.1 a^2 / 12 shorter. The
-/// integral of k^2 over it is a^2 / 1.1. Distances lose less at sharp edges.
-constexpr Rounding kByVoxels{3, 1.2, 0.1, 0};
+/// integral of w^2 over it is a^2 / 1.1. Distances lose three quarters of that, and less at sharp
+/// edges.
+constexpr Rounding kByVoxels{3, 1.2, 0.075, 0};
 
 /// A fit to points rounds an edge over its radius r, whatever the voxels: 0.044 r a^2 is lost. The
 /// fewer points beyond its unknowns a fit has, the nearer it passes to them, and the less is lost.
-/// The curvature there is up to 1.6 a / r, or what voxels leave of that. A quadric follows slow
+/// The normal turns there by up to 1.6 a / r, or what voxels leave of that. A quadric follows slow
 /// changes of curvature, so places that are compared are not farther apart than the arc.
 Rounding roundingBy(const FitError& fit) {
     const double r = fit.radius, seen = std::hypot(r, 1.8);
     if (!(r > 0)) return kByVoxels;
     return {0.6 * seen, 2.1 / seen, r * seen * fit.freedom / 20,
-            120 * fit.heightNoise / std::pow(seen, 5)};
+            160 * fit.heightNoise / std::pow(seen, 5)};
 }
 
-/// Integrals along a geodesic, of its normal curvature k.
+/// The share of a length that facets about as wide as the spacing of the points lack on S, where
+/// `square` is the mean of k^2. Facets of width w have heights over S with the variance k^2 w^4 /
+/// 720 and make a geodesic longer by k^2 w^2 / 24. Points may show that as scatter: then S is
+/// smooth, and points next to each other are on different facets, so they show no stretch. Real
+/// scatter is taken for facets up to what facets of 1.2 spacings have.
+double lackingOfFacets(const FitError& fit, double square) {
+    constexpr double kWidest = 1.2;
+    if (!(fit.spacing > 0)) return 0;
+    const double s2 = fit.spacing * fit.spacing,
+                 scatter2 = fit.heightNoise * std::numbers::pi * fit.radius / (6 * s2);
+    return std::min(30 * scatter2 / s2, kWidest * kWidest * square * s2 / 24);
+}
+
+/// Integrals along a geodesic, of its normal curvature k and the turn w of the normal.
 struct Bending {
     double square = 0;  ///< of k^2
-    double uneven = 0;  ///< of (k(s + apart) - k(s))^2 / 2: none where S is smooth
+    double uneven = 0;  ///< of |w(s + apart) - w(s)|^2 / 2: none where S is smooth
 };
 
 /// @param path  with normals
 Bending bendingOf(const Path& path, const Rounding& rounding) {
     const std::vector<PathVertex>& v = path.vertices;
-    std::vector<double> curvature(v.size(), 0);
+    std::vector<Vec3d> turn(v.size());
     Bending bending;
     for (std::size_t k = 1, before = 1; k < v.size(); ++k) {
         const Vec3d step = v[k].pIndex - v[k - 1].pIndex;
         const double squared = dot(step, step), len = std::sqrt(squared);
         if (!(squared > 0)) continue;
-        const double bend = dot(v[k].normal - v[k - 1].normal, step) / squared;
+        const Vec3d change = v[k].normal - v[k - 1].normal;
+        const double bend = dot(change, step) / squared;
         bending.square += bend * bend * len;
-        curvature[k] = std::clamp(bend, -rounding.sharpest, rounding.sharpest);
+        turn[k] = (1 / std::max(len, length(change) / rounding.sharpest)) * change;
         while (v[k].arcLength - v[before].arcLength > rounding.apart) ++before;
         if (before == 1) continue;
-        const double change = curvature[k] - curvature[before];
-        bending.uneven += change * change / 2 * len;
+        const Vec3d other = turn[k] - turn[before];
+        bending.uneven += dot(other, other) / 2 * len;
     }
     return bending;
 }
@@ -89,7 +106,7 @@ struct Sample {
     bool found = false;     ///< a geodesic
     double difference = 0;  ///< of the distance from the length; positive: the distance is longer
     double byScatter = 0;   ///< standard deviation of the length
-    double rounded = 0;     ///< of the length, at edges that S shows
+    double rounded = 0;     ///< of the length, at edges that S shows or facets that it hides
     PointStretch stretch;
 };
 
@@ -102,6 +119,7 @@ void addErrorsOfSurface(const Band& band, Path straight, const FitError& fit, Sa
     const double len = straight.length;
     sample.rounded =
         rounding.perBend * std::max(0.0, bending.uneven - rounding.byScatter * len) / len;
+    sample.rounded = std::max(sample.rounded, lackingOfFacets(fit, bending.square / len));
     sample.byScatter = meanOfDeviation * std::sqrt(fit.heightNoise * bending.square) / len;
     if (fit.points) sample.stretch = stretchAlong(band, straight, fit);
 }

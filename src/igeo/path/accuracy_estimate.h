@@ -12,8 +12,8 @@ namespace igeo {
 /// An estimate, not a bound.
 struct AccuracyEstimate {
     std::size_t samples = 0;  ///< points at which the distance was compared with a geodesic
-    /// Mean of |d - length| / d, in which no sample counts more than samples / 2 times the median:
-    /// a single one that is far off changes it by half a median at most.
+    /// Mean of |d - length| / d, in which no sample counts more than samples / 2 times the median
+    /// or than all but a sixteenth: a single one that is far off changes it little.
     double meanError = 0;
     double largestError = 0;  ///< maximum of |d - length| / d
     /// Share of the solved nodes that took the first-order fallback (jet)
@@ -29,7 +29,7 @@ struct AccuracyEstimate {
 /// the distance is longer than the length and lacks less of it, the larger counts:
 ///  - Edges that voxels round off, or fits to points, as S shows them; or, where that is more, what
 ///    points show of shape that S lacks: beside the geodesics they are farther apart than their
-///    foot points (stretchShown).
+///    foot points (stretchShown), or scatter that may be facets about as wide as their spacing.
 ///  - Scatter of points: where S lies e(s) too high along a geodesic of normal curvature k(s), the
 ///    geodesic is too long by the integral of k e to first order. Its standard deviation is the
 ///    root of `fit.heightNoise` times the integral of k^2.
