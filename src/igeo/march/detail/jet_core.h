@@ -128,7 +128,7 @@ std::unique_ptr<JetCore> buildJetCore(const Band& band, MetricPtr metric);
 JetStencil buildStencil(const JetCore& core);
 /// Moves nodes inside an obstacle, but next to one outside, and those just outside onto its rim,
 /// and others to its corners, so that fronts go along the rim and not along the voxels outside of
-/// it. Time O(nodes beside obstacles), in parallel, and a byte per node.
+/// it. Time O(nodes beside obstacles), in parallel; four bytes per node of the core.
 void placeRimNodes(JetCore& core);
 /// Makes the links of all nodes. Time O(n), in parallel; 46 bytes per node of the band.
 void buildLinks(JetCore& core, const JetStencil& stencil = {});

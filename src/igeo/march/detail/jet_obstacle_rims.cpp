@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <optional>
 #include <tuple>
@@ -152,7 +153,7 @@ std::optional<Vec3d> onSurface(const Band& band, const Vec3d& p, const Vec3f& no
 /// ends there: the obstacle may go on over the edge.
 std::optional<Corner> cornerAt(const JetCore& core, const Vec3d& beside, const Vec3f& normal) {
     constexpr int kSides = 32, kMostBlocked = 15;
-    constexpr double kRadius = 0.3, kMostOff = 0.16, kPi = 3.14159265358979, kOffChord = 0.25,
+    constexpr double kRadius = 0.3, kMostOff = 0.16, kPi = std::numbers::pi, kOffChord = 0.25,
                      kOffPlane = 0.1;
     const auto found = onSurface(core.band, beside, normal, kOffChord);
     if (!found) return {};
