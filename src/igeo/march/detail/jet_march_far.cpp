@@ -25,9 +25,11 @@ JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, 
     float least = float(kInfinity);
     for (std::size_t k = 0; k < row.knownCount; ++k)
         least = std::min(least, valueIn(batch, row.knownLink(k).node()) / here.weight);
+    std::vector<NodeIndex> seen;  // from several neighbors
     const auto lower = [&](NodeIndex k) {
         const float value = valueIn(batch, k) / here.weight;
-        if (!(value < s.u)) return;
+        if (!(value < s.u) || std::find(seen.begin(), seen.end(), k) != seen.end()) return;
+        seen.push_back(k);
         const JetNode& other = core_.nodes[k];
         const float cosine = dot(here.normal, other.normal);
         if (cosine < kAlike || other.obstacleState != Metric::Clear) return;

@@ -86,8 +86,8 @@ public:
     /// Those among the nodes, and those beside them; ascending.
     std::vector<Meeting> find(const std::vector<NodeIndex>& nodes) {
         for (const NodeIndex i : nodes) seen_[i] = kFirst;
-        const std::vector<Meeting> first = meetingsAmong(nodesWith(kFirst, seen_)),
-                                   beside = meetingsAmong(nodesWith(kBeside, seen_));
+        const std::vector<Meeting> first = meetingsAmong(nodesWith(kFirst, seen_), kFirst),
+                                   beside = meetingsAmong(nodesWith(kBeside, seen_), kBeside);
         std::vector<Meeting> all(first.size() + beside.size());
         std::merge(first.begin(), first.end(), beside.begin(), beside.end(), all.begin(),
                    [](const Meeting& a, const Meeting& b) { return a.node < b.node; });
@@ -98,15 +98,17 @@ private:
     static constexpr std::uint8_t kFirst = 1, kBeside = 2;
     /// The search in a part of the nodes.
     struct Part {
+        std::uint8_t mark;  ///< of its nodes
         std::vector<Meeting> found;
         LinkedNodes group;  ///< in work
         LinkedFronts fronts;
         ArrivingFronts first;
     };
 
-    std::vector<Meeting> meetingsAmong(const std::vector<NodeIndex>& nodes);
+    /// @param mark  of the nodes
+    std::vector<Meeting> meetingsAmong(const std::vector<NodeIndex>& nodes, std::uint8_t mark);
     /// Rows of links are made once, and dropped as soon as they were used.
-    std::vector<Meeting> meetingsIn(std::span<const NodeIndex> nodes);
+    std::vector<Meeting> meetingsIn(std::span<const NodeIndex> nodes, std::uint8_t mark);
     void lookAt(Part& part);
     void add(NodeIndex i, std::size_t lane, Part& part);
 
@@ -117,13 +119,14 @@ private:
     Marks seen_;  ///< kBeside: at a link over which fronts meet
 };
 
-std::vector<Meeting> MeetingSearch::meetingsAmong(const std::vector<NodeIndex>& nodes) {
+std::vector<Meeting> MeetingSearch::meetingsAmong(const std::vector<NodeIndex>& nodes,
+                                                  std::uint8_t mark) {
     const std::vector<std::size_t> ends = partsOf(nodes);
     std::vector<std::vector<Meeting>> parts(ends.size());
     parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t p = begin; p < end; ++p) {
             const std::size_t first = p ? ends[p - 1] : 0;
-            parts[p] = meetingsIn(std::span(nodes).subspan(first, ends[p] - first));
+            parts[p] = meetingsIn(std::span(nodes).subspan(first, ends[p] - first), mark);
         }
     });
     std::vector<Meeting> all;
@@ -131,14 +134,19 @@ std::vector<Meeting> MeetingSearch::meetingsAmong(const std::vector<NodeIndex>& 
     return all;
 }
 
-std::vector<Meeting> MeetingSearch::meetingsIn(std::span<const NodeIndex> nodes) {
+std::vector<Meeting> MeetingSearch::meetingsIn(std::span<const NodeIndex> nodes,
+                                               std::uint8_t mark) {
     Part part;
+    part.mark = mark;
     for (std::size_t k = 0, kept = 0; k < nodes.size(); ++k) {
         const NodeIndex i = nodes[k];
         const bool isLast = k + 1 == nodes.size();
         if (k == 0 || !inOneBlock(nodes[k - 1], i)) links_.make(nodes.subspan(k));
-        if (jets_.accepted(i) && core_.nodes[i].obstacleState == Metric::Clear)
-            part.group.add(i, links_.rowAt(i).links);
+        const auto [row, creased] = links_.rowAt(i);
+        // Where S has a crease fronts do not count, but those beside may.
+        if (jets_.accepted(i) && core_.nodes[i].obstacleState == Metric::Clear &&
+            !(creased && mark == kBeside))
+            part.group.add(i, row);
         if (!part.group.full() && !isLast) continue;
         lookAt(part);
         for (; kept <= k; ++kept)
@@ -150,7 +158,7 @@ std::vector<Meeting> MeetingSearch::meetingsIn(std::span<const NodeIndex> nodes)
 void MeetingSearch::lookAt(Part& part) {
     if (part.group.size == 0) return;
     findFronts(jets_, part.group, part.fronts);
-    for (std::size_t k = 0; k < part.fronts.arrivals.count; ++k)
+    for (std::size_t k = 0; k < part.fronts.arrivals.count && part.mark == kFirst; ++k)
         for (unsigned toward = part.fronts.toward[k]; toward; toward &= toward - 1) {
             const JetLink* const row = part.group.link[std::size_t(std::countr_zero(toward))];
             std::uint8_t& seen = seen_[row[k].node()];
