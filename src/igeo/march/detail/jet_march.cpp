@@ -139,15 +139,9 @@ void JetMarch::solve(const Batch& batch, std::size_t chunkCount) {
     });
 }
 
-JetMarch::Group::Group() {
-    // Lanes without a node are laid out as well.
-    static constexpr JetLink kNoLink{};
-    for (JetRows::Row& row : rows.of) row.links = {&kNoLink, 0}, row.known.fill(0);
-    std::fill_n(weight.of, Lanes::kNodes, 1.0f);
-}
-
 void JetMarch::solvePart(const Batch& batch, std::size_t begin, std::size_t end, Chunk& chunk) {
     Group group;
+    Taken taken;
     // Nodes of a bucket lie all over the surface: what they need is fetched before it is used.
     constexpr std::size_t kNode = 16, kLinks = 8;
     const NodeIndex* const nodes = batch.nodes.data();
@@ -155,10 +149,31 @@ void JetMarch::solvePart(const Batch& batch, std::size_t begin, std::size_t end,
     for (std::size_t k = begin; k < end; ++k) {
         if (k + kNode < size) prefetchNode(nodes[k + kNode]);
         if (k + kLinks < size) links_.prefetch(nodes[k + kLinks]);
-        if (queue_.take(nodes[k], batch.first, batch.last)) group.node[group.size++] = nodes[k];
-        if (group.full()) solveGroup(batch, group, chunk);
+        if (queue_.take(nodes[k], batch.first, batch.last)) taken.node[taken.size++] = nodes[k];
+        if (taken.size == Taken::kMost) solveTaken(batch, taken, group, chunk);
     }
-    if (group.size > 0) solveGroup(batch, group, chunk);
+    solveTaken(batch, taken, group, chunk);
+}
+
+void JetMarch::solveTaken(const Batch& batch, Taken& taken, Group& group, Chunk& chunk) {
+    for (std::size_t k = 0; k < taken.size; ++k) {
+        const NodeIndex i = taken.node[k];
+        if (!ownLinks_.empty()) ownLinks_.make(core_, i);
+        const JetLinks::Row row = links_.rowAt(i);
+        taken.row[k].links = row.links, taken.creased[k] = row.creased;
+    }
+    split({taken.row.data(), taken.size}, jets_.state.data(), batch.last + 1, isotropic_);
+    std::array<std::uint8_t, JetLinks::kMax + 2> begin{};  // of the nodes with so many neighbors
+    for (std::size_t k = 0; k < taken.size; ++k) ++begin[taken.row[k].knownCount + 1];
+    for (std::size_t c = 1; c < begin.size(); ++c) begin[c] += begin[c - 1];
+    std::array<std::uint8_t, Taken::kMost> order;
+    for (std::size_t k = 0; k < taken.size; ++k)
+        order[begin[taken.row[k].knownCount]++] = std::uint8_t(k);
+    for (std::size_t k = 0; k < taken.size; ++k) {
+        group.add(taken, order[k]);
+        if (group.size == Lanes::kNodes || k + 1 == taken.size) solveGroup(batch, group, chunk);
+    }
+    taken.size = 0;
 }
 
 void JetMarch::gather(const Batch& batch, Group& group) {
@@ -166,17 +181,13 @@ void JetMarch::gather(const Batch& batch, Group& group) {
     // as a product with 1 / weight would be off to the same side in each step.
     const auto start = float(batchRadius_);
     group.jets.clear(core_.pull());
-    for (std::size_t lane = 0; lane < group.size; ++lane) {
-        const NodeIndex i = group.node[lane];
-        if (!ownLinks_.empty()) ownLinks_.make(core_, i);
-        const JetLinks::Row row = links_.rowAt(i);
-        group.rows.of[lane].links = row.links, group.overCrease[lane] = row.creased;
-    }
-    split({group.rows.of.data(), group.size}, jets_.state.data(), batch.last + 1, isotropic_);
+    // Lanes without a node are laid out as well.
+    for (std::size_t lane = group.size; lane < Lanes::kNodes; ++lane)
+        group.rows.of[lane] = group.rows.of[0];
     for (std::size_t lane = 0; lane < group.size; ++lane) {
         const NodeIndex i = group.node[lane];
         const JetNode& here = core_.nodes[i];
-        const JetRows::Row& row = group.rows.of[lane];
+        const JetRows::Row& row = *group.rows.of[lane];
         group.weight[lane] = here.weight;
         group.line2[lane] = line2(here);
         group.jets.begin(weighted_ ? start / here.weight : start,
@@ -383,7 +394,7 @@ IGEO_INLINE void JetMarch::settle(std::size_t lane, Group& group, Result s, cons
     if (options_.below && !withinLimit(i, s.u, batch)) return;
     // What the fallback has from one or two neighbors is final when no node before it waits: the
     // neighbors that it lacks may be in its own bucket.
-    const bool few = s.usedFallback && group.rows.of[lane].knownCount <= 2;
+    const bool few = s.usedFallback && group.rows.of[lane]->knownCount <= 2;
     if (!(s.u < (few ? 0.0f : slackOf(i)))) {
         // Half as far as its bucket: soon, with what is known then, but not in every bucket in
         // between, of which there are many where weights differ by much.
@@ -402,7 +413,7 @@ IGEO_INLINE void JetMarch::settle(std::size_t lane, Group& group, Result s, cons
     if (core_.costsVary || !isotropic_)
         chunk.heaviest = std::max(chunk.heaviest, core_.largestCostAt(i));
     if (stopNodesLeft_ > 0 && stopNodes_[i]) ++chunk.stopNodes;
-    const JetRows::Row& row = group.rows.of[lane];
+    const JetRows::Row& row = *group.rows.of[lane];
     if (isotropic_)
         group.accepted.add(s.u, s.g, radiusOf(s), node.weight, row);
     else
@@ -451,10 +462,10 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
     for (std::size_t lane = 0; lane < group.size; ++lane) {
         const NodeIndex i = group.node[lane];
         JetGroup::Solution& s = solutions[lane];
-        if (isFolded(i) || (s.oneSided && (isInShadow(group.rows.of[lane], s) || isAtRim(i) ||
-                                           comesSideways(i, group.rows.of[lane], s))))
+        if (isFolded(i) || (s.oneSided && (isInShadow(*group.rows.of[lane], s) || isAtRim(i) ||
+                                           comesSideways(i, *group.rows.of[lane], s))))
             s = group.jets.solveAtRim(lane);
-        const JetRows::Row& row = group.rows.of[lane];
+        const JetRows::Row& row = *group.rows.of[lane];
         if (s.detour > kDetour && mayGoRound(i, row)) s = overTwoLinks(i, row, batch, s);
         if (onMesh_ && isMisplaced(i, row, s, group.overCrease[lane])) s = solveByWalks(i, row, s);
         if (!isotropic_) s.g = core_.stretch[i].covectorBack(s.g);

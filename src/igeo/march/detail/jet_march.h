@@ -63,6 +63,14 @@ private:
         Vec2f g;  ///< direction of travel in the chart of the node; 0 where it is unknown
         std::uint32_t label = 0;
     };
+    /// Nodes taken out of the queue, and their links.
+    struct Taken {
+        static constexpr std::size_t kMost = 8 * Lanes::kNodes;
+        std::size_t size = 0;
+        std::array<NodeIndex, kMost> node;
+        std::array<JetRows::Row, kMost> row;
+        std::array<bool, kMost> creased;  ///< JetLinks::Row::creased
+    };
     /// Up to eight nodes that are solved side by side.
     struct Group {
         std::size_t size = 0;
@@ -75,8 +83,11 @@ private:
         JetGroup jets;
         JetsOnLinks accepted;  ///< isotropic: those that go on to their neighbors
 
-        Group();
-        bool full() const { return size == Lanes::kNodes; }
+        Group() { std::fill_n(weight.of, Lanes::kNodes, 1.0f); }
+        void add(const Taken& taken, std::size_t k) {
+            node[size] = taken.node[k], overCrease[size] = taken.creased[k];
+            rows.of[size++] = &taken.row[k];
+        }
     };
     /// What a solve comes to.
     struct Result {
@@ -130,8 +141,10 @@ private:
         __builtin_prefetch(&jets_.state[i]);
         links_.prefetchPlace(i);
     }
+    /// Solves nodes in groups that have about as many known neighbors.
+    void solveTaken(const Batch& batch, Taken& taken, Group& group, Chunk& chunk);
     void solveGroup(const Batch& batch, Group& group, Chunk& chunk);
-    /// Sorts the links of the nodes, and begins them in Group::jets.
+    /// Begins the nodes in Group::jets.
     void gather(const Batch& batch, Group& group);
     /// Whether a detour (JetGroup::Solution) may come from neighbors beside its ray alone, as
     /// beside creases no other node of the core is next to it. On a mesh also two links from a

@@ -73,7 +73,7 @@ public:
 private:
     IGEO_INLINE void layOutNeighbor(std::size_t k) const {
         const JetLink* links[Width];
-        for (int l = 0; l < Width; ++l) links[l] = rows_[l].links.data() + rows_[l].known[k];
+        for (int l = 0; l < Width; ++l) links[l] = &rows_[l]->knownLink(k);
         V link[4], state[4];
         loadFours<Width>([&](int l) { return &links[l]->ax; }, link);
         loadFours<Width>([&](int l) { return stateAt(state_, *links[l]); }, state);
@@ -98,7 +98,7 @@ private:
     }
     IGEO_INLINE V& out(Lanes& l) const { return *reinterpret_cast<V*>(l.of + lane_); }
 
-    const JetRows::Row* const rows_;
+    const JetRows::Row* const* const rows_;
     const JetState* const state_;
     const std::uint32_t first_;
     const float width_;

@@ -25,7 +25,7 @@ struct JetRows {
         const JetLink& knownLink(std::size_t k) const { return links.data()[known[k]]; }
         const JetLink& waitingLink(std::size_t k) const { return links.data()[waiting[k]]; }
     };
-    std::array<Row, Lanes::kNodes> of;
+    std::array<const Row*, Lanes::kNodes> of;
 };
 
 /// Whether a waiting node may be put out of a bucket: not where that is next to the last of the
