@@ -177,7 +177,8 @@ void Extension::add(NodeIndex k, JetNeighbor jet, float cosine, const LocalFrame
                     Around& around) const {
     constexpr float kSmooth = 0.9f;
     // Relative to the least start: near a source the solve takes u for the distance to it.
-    jet.u = (valueOf(k) - jets_.seeds.leastStart) / local.weight;
+    jet.u = valueOf(k) - jets_.seeds.leastStart;
+    if (local.weight != 1) jet.u /= local.weight;
     around.node[around.count++] = {jet, jets_.labelOf(k), cosine < kSmooth, k};
 }
 
@@ -328,34 +329,37 @@ Extension::Found Extension::byWalks(const Outside& at, const LocalFrame& local) 
 void Extension::addDoubtful(const Outside& at, Group& group) const {
     Doubtful& doubtful = group.doubtful;
     const NodeIndex i = at.node;
-    Doubtful::Node& node = doubtful.nodes.emplace_back(at, core_.localFrameInBand(i));
+    auto node = doubtful.make(at, core_.localFrameInBand(i));
     // Where the foot point is off, the core passes within two voxels all the same.
     const Ijk middle = roundToIjk(Vec3d(band_.footOf(i)));
     const LeafNumbers<2>* const core = numbersOf(group, at.leaf);
-    if (!gatherAround(node, core, middle, 1)) gatherAround(node, core, {}, 2);
-    if (node.around.count == 0) {
-        finish(at, byWalks(at, node.local));
-        doubtful.nodes.pop_back();
+    if (!gatherAround(*node, core, middle, 1)) gatherAround(*node, core, {}, 2);
+    const Around& around = node->around;
+    if (around.count == 0) {
+        finish(at, byWalks(at, node->local));
+        doubtful.unused.push_back(std::move(node));
         return;
     }
-    JetGroup& fronts = doubtful.fronts;
-    if (doubtful.nodes.size() == 1) fronts.clear(core_.pull());
-    const double base = node.around.node[0].jet.u;
-    fronts.begin(float(base), core_.longest2(node.local.stretch));
-    for (std::size_t k = 0; k < node.around.count; ++k) {
-        const Around::Node& n = node.around.node[k];
+    Doubtful::Some& some = doubtful.withCount(around.count);
+    JetGroup& fronts = some.fronts;
+    if (fronts.size() == 0) fronts.clear(core_.pull());
+    const double base = around.node[0].jet.u;
+    fronts.begin(float(base), core_.longest2(node->local.stretch));
+    for (std::size_t k = 0; k < around.count; ++k) {
+        const Around::Node& n = around.node[k];
         fronts.add(n.jet.a, n.jet.g, float(n.jet.u - base), n.source, n.overCrease);
     }
-    if (fronts.full()) solveDoubtful(group);
+    some.nodes[fronts.size() - 1] = std::move(node);
+    if (fronts.full()) solveDoubtful(some, group);
 }
 
-void Extension::solveDoubtful(Group& group) const {
-    Doubtful& doubtful = group.doubtful;
-    if (doubtful.nodes.empty()) return;
-    const JetGroup::Solutions solutions = doubtful.fronts.solve();
+void Extension::solveDoubtful(Doubtful::Some& some, Group& group) const {
+    const std::size_t count = some.fronts.size();
+    if (count == 0) return;
+    const JetGroup::Solutions solutions = some.fronts.solve();
     FrontsAtPoints fronts;
-    for (std::size_t k = 0; k < doubtful.nodes.size(); ++k) {
-        const Doubtful::Node& node = doubtful.nodes[k];
+    for (std::size_t k = 0; k < count; ++k) {
+        const Doubtful::Node& node = *some.nodes[k];
         const JetGroup::Solution& best = solutions[k];
         const double u = node.around.node[0].jet.u + double(best.u);
         const Found s = fromChart(u, best.g, best.source, node.local);
@@ -363,9 +367,10 @@ void Extension::solveDoubtful(Group& group) const {
             addMeeting(node, u, s, group.meetings, fronts);
         else
             finishOrInDisc(node.at, s);
+        group.doubtful.unused.push_back(std::move(some.nodes[k]));
     }
     fronts.finish(group.meetings.points);
-    doubtful.nodes.clear();
+    some.fronts.clear();
 }
 
 void Extension::addMeeting(const Doubtful::Node& node, double u, const Found& before,

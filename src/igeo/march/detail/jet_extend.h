@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -75,16 +76,33 @@ public:
         unsigned offset;
         NodeJet* to;
     };
-    /// Where what the core carries is in doubt: nodes that are solved as in the march.
+    /// Where what the core carries is in doubt: nodes that are solved as in the march, side by side
+    /// with others that have about as many neighbors.
     struct Doubtful {
         struct Node {
             Outside at;
             LocalFrame local;
             Around around;
-            Node(const Outside& node, const LocalFrame& frame) : at(node), local(frame) {}
         };
-        std::vector<Node> nodes;
-        JetGroup fronts;
+        struct Some {
+            JetGroup fronts;
+            std::array<std::unique_ptr<Node>, Lanes::kNodes> nodes;
+        };
+        std::array<Some, 3> some;
+        std::vector<std::unique_ptr<Node>> unused;
+
+        Some& withCount(std::size_t neighbors) {
+            constexpr std::size_t kFew = 8, kMany = 11;
+            return some[neighbors <= kFew ? 0 : neighbors <= kMany ? 1 : 2];
+        }
+        /// An unused node.
+        std::unique_ptr<Node> make(const Outside& at, const LocalFrame& local) {
+            if (unused.empty()) return std::make_unique<Node>(Node{at, local, {}});
+            std::unique_ptr<Node> node = std::move(unused.back());
+            unused.pop_back();
+            node->at = at, node->local = local, node->around.count = 0;
+            return node;
+        }
     };
     /// Nodes across which fronts meet, as the march would solve them.
     struct Meetings {
@@ -121,17 +139,17 @@ public:
     void finish(Group& group) const {
         solve(group);
         addWaiting(group);
-        solveDoubtful(group);
+        for (Doubtful::Some& some : group.doubtful.some) solveDoubtful(some, group);
         solveMeetings(group.meetings);
     }
     /// As Field::atCore.
     void at(std::span<const NodeIndex> nodes, NodeJet* to) const;
 
 private:
-    Vec3f gradientOf(NodeIndex k) const {
+    IGEO_INLINE Vec3f gradientOf(NodeIndex k) const {
         return lifted_.empty() ? jets_.gradientOf(k) : lifted_[k].g;
     }
-    double valueOf(NodeIndex k) const {
+    IGEO_INLINE double valueOf(NodeIndex k) const {
         if (lifted_.empty()) return jets_.valueOf(k);
         return jets_.buckets.startOf(jets_.state[k].bucket) + double(lifted_[k].rest);
     }
@@ -196,7 +214,7 @@ private:
     IGEO_INLINE void extendTo(Group& group, std::size_t lane, const CarriedJets& carried) const;
     /// Whether all corners of a node are of one smooth sheet and of one source.
     IGEO_INLINE bool isSimple(const Group& group, std::size_t lane) const;
-    void solveDoubtful(Group& group) const;
+    void solveDoubtful(Doubtful::Some& some, Group& group) const;
     void addMeeting(const Doubtful::Node& node, double u, const Found& before, Meetings& meetings,
                     FrontsAtPoints& fronts) const;
     /// By rays, where these find a jet.
