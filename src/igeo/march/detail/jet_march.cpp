@@ -161,6 +161,7 @@ void JetMarch::solveTaken(const Batch& batch, Taken& taken, Group& group, Chunk&
         if (!ownLinks_.empty()) ownLinks_.make(core_, i);
         const JetLinks::Row row = links_.rowAt(i);
         taken.row[k].links = row.links, taken.creased[k] = row.creased;
+        for (const JetLink& link : row.links) __builtin_prefetch(&jets_.state[link.node()]);
     }
     split({taken.row.data(), taken.size}, jets_.state.data(), batch.last + 1, isotropic_);
     std::array<std::uint8_t, JetLinks::kMax + 2> begin{};  // of the nodes with so many neighbors
