@@ -17,6 +17,10 @@ namespace igeo {
 
 namespace {
 
+/// How far beyond a rim a voxel still represents a point on it, as of a mesh: without such voxels
+/// the last nodes before a rim are so few that fronts along it turn away from it. Voxels.
+constexpr double kBeyondRim = 0.5;
+
 using Kind = Error::Kind;
 using Index = PointSurface::Index;
 
@@ -131,8 +135,9 @@ PointSurface::Foot Filler::footOf(const Vec3d& x, PointsAround& around) const {
     const PointTree::Found nearest = around.nearest(x).front();
     const Index i = nearest.point;
     if (kind_ == PointBandKind::Fits)
-        return nearest.squared < reach(i) * reach(i) ? surface_.project(x, h_ * dx_, around)
-                                                     : PointSurface::Foot{};
+        return nearest.squared < reach(i) * reach(i)
+                   ? surface_.project(x, h_ * dx_, around, kBeyondRim * dx_)
+                   : PointSurface::Foot{};
     const Vec3d n = surface_.normal(i);
     return {nearest.squared < h_ * h_ * dx_ * dx_, points_[i], n, dot(x - points_[i], n)};
 }

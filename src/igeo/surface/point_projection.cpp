@@ -3,6 +3,7 @@
 #include <igeo/surface/point_surface.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -61,6 +62,44 @@ bool PointSurface::within(const Vec3d& y, const Vec3d& n,
     for (std::size_t k = 1; k < angles.size(); ++k) gap = std::max(gap, angles[k] - angles[k - 1]);
     // The outermost points are themselves on the surface.
     return gap <= std::numbers::pi * (1 + 1e-6);
+}
+
+Vec3d PointSurface::onRim(const Vec3d& y, const Vec3d& n,
+                          const std::vector<Index>& neighbors) const {
+    using Point = std::array<double, 2>;
+    const Vec3d s = anyNormalTo(n), t = cross(n, s);
+    std::vector<Point> points;
+    for (const Index j : neighbors) {
+        const Vec3d d = points_[j] - y;
+        if (dot(d, d) < squareOf(points_.reach(j)) && sameSheet(j, n))
+            points.push_back({dot(s, d), dot(t, d)});
+    }
+    // The corners of the hull, counterclockwise: first its lower side, then its upper one.
+    std::vector<Point> hull;
+    const auto add = [&](std::size_t first, const Point& p) {
+        const auto turnsRight = [&] {
+            const Point &a = hull[hull.size() - 2], &b = hull.back();
+            return (b[0] - a[0]) * (p[1] - b[1]) <= (b[1] - a[1]) * (p[0] - b[0]);
+        };
+        while (hull.size() >= first + 2 && turnsRight()) hull.pop_back();
+        hull.push_back(p);
+    };
+    std::sort(points.begin(), points.end());
+    for (std::size_t k = 0; k < points.size(); ++k) add(0, points[k]);
+    const std::size_t lower = hull.empty() ? 0 : hull.size() - 1;
+    for (std::size_t k = points.size(); k-- > 0;) add(lower, points[k]);
+    double least = kInfinity;
+    Point nearest{};
+    for (std::size_t k = 1; k < hull.size(); ++k) {
+        const Point &a = hull[k - 1], along = {hull[k][0] - a[0], hull[k][1] - a[1]};
+        const double size = squareOf(along[0]) + squareOf(along[1]);
+        const double at =
+            size > 0 ? std::clamp(-(a[0] * along[0] + a[1] * along[1]) / size, 0.0, 1.0) : 0;
+        const Point p = {a[0] + at * along[0], a[1] + at * along[1]};
+        const double far2 = squareOf(p[0]) + squareOf(p[1]);
+        if (far2 < least) least = far2, nearest = p;
+    }
+    return y + nearest[0] * s + nearest[1] * t;
 }
 
 double PointSurface::roughDistance(const Vec3d& x, Index nearest) const {
@@ -222,8 +261,8 @@ PointSurface::Foot PointSurface::ontoEdge(const Vec3d& x, double farthest, const
     return {true, y, n, psi, true};
 }
 
-PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest,
-                                         PointsAround& around) const {
+PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest, PointsAround& around,
+                                         double beyond) const {
     thread_local std::vector<Index> neighbors, others;
     const auto footOn = [&](const OnSheet& on) {
         const double psi = dot(x - on.at, on.normal);
@@ -234,7 +273,11 @@ PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest,
     if (!on.found) return {};
     const Foot foot = footOn(on);
     const EndOfSheet end = endOf(on, neighbors);
-    if (!(end.beyond > 0)) return foot.valid && reaches(on, end, neighbors) ? foot : Foot{};
+    if (!(end.beyond > 0)) {
+        if (!foot.valid || reaches(on, end, neighbors)) return foot;
+        const Vec3d rim = onRim(on.at, on.normal, neighbors);
+        return length(rim - on.at) < beyond ? Foot{true, rim, on.normal, foot.psi} : Foot{};
+    }
     const OnSheet other = ontoSheet(x, end.point, farthest, around, others);
     if (other.found && reaches(other, endOf(other, others), others)) return footOn(other);
     return ontoEdge(x, farthest, on, end, neighbors);

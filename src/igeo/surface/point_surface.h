@@ -68,7 +68,8 @@ public:
     Foot project(const Vec3d& x, double farthest) const;
     /// The same for one of many positions in a ball; reads points up to reachOfProject() beyond the
     /// ball.
-    Foot project(const Vec3d& x, double farthest, PointsAround& around) const;
+    /// @param beyond  positions up to so far beyond a rim, along S, have their foot point on it
+    Foot project(const Vec3d& x, double farthest, PointsAround& around, double beyond = 0) const;
     /// @param nearest  the point nearest to the middle of the ball
     double reachOfProject(Index nearest, double farthest) const;
     /// The approximate distance of x from the surface, by only the fit at the point nearest to x.
@@ -146,6 +147,9 @@ private:
     Foot ontoEdge(const Vec3d& x, double farthest, const OnSheet& on, const EndOfSheet& end,
                   const std::vector<Index>& neighbors) const;
     bool within(const Vec3d& y, const Vec3d& n, const std::vector<Index>& neighbors) const;
+    /// The point nearest to y on the rim of the convex hull of the points around, in the tangent
+    /// plane.
+    Vec3d onRim(const Vec3d& y, const Vec3d& n, const std::vector<Index>& neighbors) const;
 
     std::string file_;
     PointTree points_;
