@@ -235,6 +235,18 @@ TEST_CASE("a plane with a hole", "[mesh]") {
     }
 }
 
+/// In the plane, around the obstacle |x| < half, y < 0, from a seed on its left.
+double aroundSlit(double half, const Vec3d& seed, const Vec3d& p) {
+    const Vec3d a{-half, 0, 0}, b{half, 0, 0};
+    auto at = [&](double x) { return seed.y + (p.y - seed.y) * (x - seed.x) / (p.x - seed.x); };
+    if (p.x <= a.x + 1e-6 || (at(a.x) >= 0 && (p.x <= b.x || at(b.x) >= 0)))
+        return length(p - seed);
+    const Vec3d fromB = p - b;
+    const double viaA = length(a - seed);
+    if (fromB.y >= -1e-6) return viaA + length(p - a);
+    return viaA + length(b - a) + length(fromB);
+}
+
 TEST_CASE("a plane with a slit", "[mesh]") {
     const Motion motion;
     // 40 by 40 squares, two of width 0.025 taken out from the edge to the middle.
@@ -246,22 +258,42 @@ TEST_CASE("a plane with a slit", "[mesh]") {
         [](double u, double v) { return !(std::abs(u - 0.5) < 0.05 && v < 0.5); });
     const Vec3d seed{-0.3, -0.4, 0};
     for (const double dx : {0.02, 0.01, 0.005}) {
-        const InVoxels e = errorsOn(mesh, dx, motion(seed), [&](const Vec3d& q) {
-            const Vec3d p = motion.back(q), a{-0.05, 0, 0}, b{0.05, 0, 0};
-            // The obstacle |x| < 0.05, y < 0: around its corners a and b.
-            auto at = [&](double x) {
-                return seed.y + (p.y - seed.y) * (x - seed.x) / (p.x - seed.x);
-            };
-            if (p.x <= a.x + 1e-6 || (at(a.x) >= 0 && (p.x <= b.x || at(b.x) >= 0)))
-                return length(p - seed);
-            const Vec3d fromB = p - b;
-            const double viaA = length(a - seed);
-            if (fromB.y >= -1e-6) return viaA + length(p - a);
-            return viaA + length(b - a) + length(fromB);
+        const InVoxels e = errorsOn(mesh, dx, motion(seed), [&](const Vec3d& p) {
+            return aroundSlit(0.05, seed, motion.back(p));
         });
-        CHECK(e.mean < 0.097);  // measured 0.0643
-        CHECK(e.max < 0.52);    // measured 0.346
+        CHECK(e.mean < 0.097);  // measured 0.0210
+        CHECK(e.max < 0.52);    // measured 0.330
     }
+}
+
+TEST_CASE("a plane with a slit narrower than a voxel: distances go around its end", "[mesh]") {
+    // Shortest paths bend around the ends of the slit. From node to node they are longer: without
+    // lines around vertices of rims, distances behind are 0.012 to 0.10 voxels off in the mean.
+    const double dx = 0.025;
+    const Vec3d seed{-0.06, -0.3, 0};
+    double mean = 0;
+    for (const double width : {0.1, 0.33, 0.8})
+        for (const double turn : {0.0, 0.4, 0.8, 1.2}) {
+            const double half = width * dx / 2;
+            const Vec3d axis = normalized(Vec3d{1, 2, 3});
+            auto turned = [&](const Vec3d& p, double by) {
+                return std::cos(by) * p + std::sin(by) * cross(axis, p) +
+                       (1 - std::cos(by)) * dot(axis, p) * axis;
+            };
+            const TriangleMesh mesh = test::sheet(
+                41, 40,
+                [&](double u, double v) {
+                    const double k = std::round(41 * u), step = (0.5 - half) / 20;
+                    const double x = k < 20.5 ? k * step - 0.5 : half + (k - 21) * step;
+                    return turned({x, v - 0.5, 0}, turn);
+                },
+                [](double u, double v) { return !(std::abs(u - 0.5) < 0.01 && v < 0.5); });
+            const InVoxels e = errorsOn(mesh, dx, turned(seed, turn), [&](const Vec3d& p) {
+                return aroundSlit(half, seed, turned(p, -turn));
+            });
+            mean = std::max(mean, e.mean);
+        }
+    CHECK(mean < 0.0176);  // measured 0.0117
 }
 
 TEST_CASE("a closed mesh: its band agrees with its level set, and is nearer to the sphere",

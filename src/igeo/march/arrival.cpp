@@ -443,7 +443,7 @@ ReadPlace::ReadPlace(const Field& field, const Vec3d& p, const Vec3d& sheetNorma
       hasWalks(field.atFootPoints && field.band->triangles && !field.metric->anisotropic()) {
     if (!hasWalks) return;
     const Band& band = *field.band;
-    const bool ways = hasWays(band, cell);
+    const bool ways = hasWays(band, cell, field.evenCosts);
     if (!ways && !hasThinWalls(band, cell) && !isOnCrease(band, cell)) return;
     onMesh = placeOf(*band.triangles, p, cell.normal);
     byWalks = onMesh->triangle != SurfaceTriangles::kNone;

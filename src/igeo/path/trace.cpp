@@ -328,7 +328,7 @@ bool Tracer::followLine(Path& path, State& at) {
     constexpr double kFall = 1e-4, kLater = 0.1, kLaterAtPoint = 1;
     const Metric& metric = *field_.metric;
     if (!band_.ways || !field_.atFootPoints || metric.anisotropic() || metric.obstacles ||
-        !hasWays(band_, cellAt(band_, at.p)))
+        !hasWays(band_, cellAt(band_, at.p), field_.evenCosts))
         return false;
     const double here = weightAt(at.p);
     const std::vector<Seen> seen =

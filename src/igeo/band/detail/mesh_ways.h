@@ -15,6 +15,7 @@ namespace igeo {
 struct MeshWay {
     NodeIndex from, to;
     WalkEnds line;
+    bool atRim = false;  ///< links lead around there as well, less exactly
 };
 
 /// Nodes by the triangles of their foot points.
@@ -31,7 +32,8 @@ struct NodesOnTriangles {
 
 /// The lines of a band, and the core nodes around.
 struct MeshWays {
-    static constexpr double kReach = 12;  ///< longest line, voxels
+    /// Longest lines, voxels. Around the corner of a rim nodes are near.
+    static constexpr double kReach = 12, kRimReach = 6;
 
     std::vector<MeshWay> ways;  ///< in both directions, sorted by their ends
     NodesOnTriangles nodes;
@@ -42,6 +44,12 @@ struct MeshWays {
         auto at = std::lower_bound(ways.begin(), ways.end(), i,
                                    [](const MeshWay& w, NodeIndex node) { return w.to < node; });
         for (; at != ways.end() && at->to == i; ++at) visit(*at);
+    }
+    /// Whether lines that links cannot replace lead to a node.
+    bool hasOthersThanAtRim(NodeIndex i) const {
+        bool found = false;
+        forTo(i, [&](const MeshWay& way) { found |= !way.atRim; });
+        return found;
     }
 };
 

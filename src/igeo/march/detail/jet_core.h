@@ -183,8 +183,11 @@ void forJumps(const JetCore& core, NodeIndex i, const Visit& visit) {
 template <typename Visit>
 void forWays(const JetCore& core, NodeIndex i, const Visit& visit) {
     const JetNode& node = core.nodes[i];
+    // Voxels. Costs may vary along longer lines, and links lead around rims as well.
+    constexpr double kAsLinks = 3;
     if (!(node.facing & Band::kHasWays)) return;
     core.band.ways->forTo(core.inBand(node), [&](const MeshWay& way) {
+        if (way.atRim && core.costsVary && way.line.length > kAsLinks) return;
         const NodeIndex j = core.band.coreNode(way.from);
         if (core.nodes[j].obstacleState != Metric::Inside) visit(j, way.line);
     });

@@ -149,7 +149,7 @@ private:
     void visitWays() {
         const Band& band = core_.band;
         if (!band.ways || !core_.stretch.empty() || !(seed_.segment == Vec3d{}) ||
-            !hasWays(band, cellAt(band, seed_.pIndex)))
+            !hasWays(band, cellAt(band, seed_.pIndex), core_.isEven()))
             return;
         const auto at = band.triangles->nearest(seed_.pIndex);
         const MeshFan fan(*band.triangles, MeshPoint{at.triangle, at.point}, MeshWays::kReach,

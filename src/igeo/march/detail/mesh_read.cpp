@@ -260,11 +260,11 @@ bool isBlocked(const Metric& metric, const SurfaceTriangles& triangles,
     return segments.any;
 }
 
-bool hasWays(const Band& band, const BandCell& cell) {
+bool hasWays(const Band& band, const BandCell& cell, bool even) {
     if (!band.ways) return false;
     bool found = false;
     band.forVoxels(cell.low - Ijk{1, 1, 1}, cell.low + Ijk{2, 2, 2}, [&](NodeIndex i, const Ijk&) {
-        found |= bool(band.facing[i] & Band::kHasWays);
+        found |= band.facing[i] & Band::kHasWays && (even || band.ways->hasOthersThanAtRim(i));
     });
     return found;
 }

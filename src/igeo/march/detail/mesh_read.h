@@ -107,7 +107,8 @@ bool isBlocked(const Metric& metric, const SurfaceTriangles& triangles,
                const MeshFan<SurfaceTriangles>& fan, std::size_t k, const Vec3d& to);
 
 /// Whether lines of MeshWays end at a corner of a cell or beside it.
-bool hasWays(const Band& band, const BandCell& cell);
+/// @param even  one cost everywhere, and no obstacles: those at rims count too
+bool hasWays(const Band& band, const BandCell& cell, bool even);
 
 /// A node or a seed that a line from a point of a mesh leads to.
 struct Seen {

@@ -158,12 +158,6 @@ bool hasEdge(const MeshBand& on, std::size_t l, const IsKind& isKind) {
     });
 }
 
-/// Whether the mesh ends in a leaf or beside it: links may cut the corner of a rim.
-bool hasRim(const MeshBand& on, std::size_t l) {
-    return hasEdge(on, l,
-                   [&](std::uint32_t t, std::size_t k) { return on.adjacency.isBoundary(t, k); });
-}
-
 /// SeveredLinks::bit of the voxels in the box that a step spans.
 std::uint32_t boxOf(const Ijk& step) {
     std::uint32_t box = 0;
@@ -174,6 +168,11 @@ std::uint32_t boxOf(const Ijk& step) {
 }
 
 }  // namespace
+
+bool hasRim(const MeshBand& on, LeafIndex l) {
+    return hasEdge(on, l,
+                   [&](std::uint32_t t, std::size_t k) { return on.adjacency.isBoundary(t, k); });
+}
 
 Vec3f chordOf(const Band& band, NodeIndex i, NodeIndex j) {
     return band.footOf(i) - band.footOf(j) - Vec3f(band.ijk(j) - band.ijk(i));

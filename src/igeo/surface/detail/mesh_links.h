@@ -53,6 +53,9 @@ inline double longestFor(double arc) { return 1.25 * arc + 0.25; }
 /// Whether three or more triangles meet in an edge in a leaf or one beside it.
 bool pagesMeetNear(const MeshBand& on, LeafIndex l);
 
+/// Whether the mesh ends in a leaf or beside it: links may cut the corner of a rim.
+bool hasRim(const MeshBand& on, LeafIndex l);
+
 /// Severs the links between neighbors that normals allow but the mesh does not have: where a walk
 /// over triangles is much longer than the path over the two tangent planes, which a march uses as
 /// its length, or where there is no walk.

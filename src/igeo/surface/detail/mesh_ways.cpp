@@ -54,6 +54,11 @@ void addLinks(const MeshBand& on, MeshWalk& walk, NodeIndex i, const TangentFram
     });
 }
 
+/// Whether the mesh folds within voxels beside a node. Others are open at rims alone.
+bool isBesideFold(const MeshBand& on, NodeIndex i) {
+    return on.bends[on.band.leafOf(i)] == LeafBend::Fold;
+}
+
 /// The nodes that lines from a node lead to.
 struct Around {
     /// Straight ones to the two nearest in each of 16 directions, and all that go around vertices,
@@ -65,11 +70,13 @@ Around lookAround(const MeshBand& on, const NodesOnTriangles& core, NodeIndex i)
     constexpr std::size_t kDirections = 16, kMost = 2;
     const TangentFrame frame(on.band.normal[i]);
     std::vector<MeshWay> seen;
-    const Fan fan(on.adjacency, on.foot(i), MeshWays::kReach, AtVertex::GoAround);
+    const bool atRim = !isBesideFold(on, i);
+    const Fan fan(on.adjacency, on.foot(i), atRim ? MeshWays::kRimReach : MeshWays::kReach,
+                  AtVertex::GoAround);
     WalkEnds line;
     for (std::size_t k = 0; k < fan.parts().size(); ++k)
         core.forOn(fan.parts()[k].triangle, [&](NodeIndex j) {
-            if (j != i && fan.sees(k, on.foot(j).at, line)) seen.push_back({i, j, line});
+            if (j != i && fan.sees(k, on.foot(j).at, line)) seen.push_back({i, j, line, atRim});
         });
     std::sort(seen.begin(), seen.end(), [](const MeshWay& a, const MeshWay& b) {
         return std::tie(a.line.length, a.to) < std::tie(b.line.length, b.to);
@@ -92,7 +99,7 @@ Around lookAround(const MeshBand& on, const NodesOnTriangles& core, NodeIndex i)
     return around;
 }
 
-/// A vertex with more than a full turn of faces.
+/// A vertex with more than a full turn of faces, or half a turn at a boundary.
 struct Saddle {
     Vec3d at;
     double more;  ///< radians
@@ -103,6 +110,11 @@ std::vector<Saddle> saddlesAround(const MeshBand& on, LeafIndex l) {
     const MeshAdjacency& mesh = on.adjacency;
     for (const std::uint32_t t : on.leaves[l].triangles)
         for (std::size_t k = 0; k < 3; ++k) {
+            // Half a turn at a boundary, where two edges end.
+            if (mesh.isBoundary(t, k)) {
+                angles.emplace_back(mesh[t][k], std::numbers::pi / 2);
+                angles.emplace_back(mesh[t][(k + 1) % 3], std::numbers::pi / 2);
+            }
             const Vec3d& p = mesh.corner(t, k);
             angles.emplace_back(mesh[t][k],
                                 angleBetween(mesh.corner(t, k + 1) - p, mesh.corner(t, k + 2) - p));
@@ -145,13 +157,14 @@ std::vector<NodeIndex> openOnMesh(const MeshBand& on, Progress& progress) {
     const Band& band = on.band;
     std::vector<NodeIndex> some, atNecks;
     for (LeafIndex l = 0; l < band.leaves.size(); ++l) {
-        if (on.bends[l] != LeafBend::Fold) continue;
+        const bool folds = on.bends[l] == LeafBend::Fold;
+        if (!folds && !hasRim(on, l)) continue;
         const std::vector<Saddle> saddles = saddlesAround(on, l);
         band.forNodes(l, [&](NodeIndex i, unsigned) {
             if (!band.inCore(i)) return;
             if (isAtNeck(saddles, on.foot(i).at))
                 atNecks.push_back(i);
-            else if (band.facing[i] & Band::kSevered)
+            else if (folds && band.facing[i] & Band::kSevered)
                 some.push_back(i);
         });
     }
@@ -199,13 +212,13 @@ MeshWays waysOnMesh(const MeshBand& on, const std::vector<NodeIndex>& open, Prog
     for (const Around& part : parts) {
         for (const MeshWay& way : part.chosen) {
             all.ways.push_back(way);
-            all.ways.push_back({way.to, way.from, way.line.reversed()});
+            all.ways.push_back({way.to, way.from, way.line.reversed(), way.atRim});
         }
         seen.insert(seen.end(), part.seen.begin(), part.seen.end());
     }
     std::sort(seen.begin(), seen.end());
     seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
-    auto key = [](const MeshWay& w) { return std::tie(w.to, w.from, w.line.length); };
+    auto key = [](const MeshWay& w) { return std::tie(w.to, w.from, w.atRim, w.line.length); };
     std::sort(all.ways.begin(), all.ways.end(),
               [&](const MeshWay& a, const MeshWay& b) { return key(a) < key(b); });
     all.ways.erase(std::unique(all.ways.begin(), all.ways.end(),

@@ -10,8 +10,8 @@
 namespace igeo {
 
 /// Core nodes beside folds whose links and bridges leave a sector open in which the mesh goes on:
-/// other folds take the voxels there. And those at necks narrower than voxels: shortest paths bend
-/// around the vertices there. Ascending.
+/// other folds take the voxels there. And those at necks narrower than voxels and at corners of
+/// rims: shortest paths bend around the vertices there. Ascending.
 /// @param on  its core numbered, links severed, bridges set
 std::vector<NodeIndex> openOnMesh(const MeshBand& on, Progress& progress);
 
