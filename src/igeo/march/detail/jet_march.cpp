@@ -75,10 +75,13 @@ JetMarch::JetMarch(std::shared_ptr<const JetCore> core, const std::vector<Surfac
 }
 
 void JetMarch::enqueueStartDiscs() {
-    for (const auto& [i, s] : discs_) {
-        jets_.state[i].bucket = bucketOf(s.u);
+    const auto put = [&](NodeIndex i, double u) {
+        jets_.state[i].bucket = bucketOf(u);
         queue_.add(i, jets_.state[i].bucket);
-    }
+    };
+    for (const auto& [i, s] : discs_.jets) put(i, s.u);
+    for (const auto& [i, s] : discs_.overEdges)
+        if (!discs_.jets.contains(i)) put(i, s.u);
 }
 
 void JetMarch::initStopNodes() {
@@ -191,13 +194,16 @@ void JetMarch::gather(const Batch& batch, Group& group) {
         const JetRows::Row& row = *group.rows.of[lane];
         group.weight[lane] = here.weight;
         group.line2[lane] = line2(here);
-        group.jets.begin(weighted_ ? start / here.weight : start,
-                         isotropic_ ? JetNeighbors::kLongest2 : core_.longest2(core_.stretch[i]));
+        const float base = weighted_ ? start / here.weight : start;
         if (!isotropic_) {
+            group.jets.begin(base, core_.longest2(core_.stretch[i]));
             addStretched(i, row, batch, group.jets);
             continue;
         }
         group.overCrease[lane] = group.overCrease[lane] && knowsCrease(row);
+        group.jets.begin(base, group.overCrease[lane] && !onMesh_
+                                   ? JetNeighbors::kLongestOverCrease2
+                                   : JetNeighbors::kLongest2);
         group.jets.expect(row.knownCount, !group.overCrease[lane]);
         for (std::size_t k = 0; k < row.knownCount && !jets_.label.empty(); ++k)
             group.jets.setSource(k, jets_.label[row.knownLink(k).node()]);
@@ -423,13 +429,22 @@ IGEO_INLINE void JetMarch::settle(std::size_t lane, Group& group, Result s, cons
 }
 
 JetMarch::Result JetMarch::exactNearSeed(NodeIndex i, const Result& s) const {
-    const auto disc = discs_.find(i);
-    if (disc == discs_.end()) return s;
+    const auto disc = discs_.jets.find(i);
+    if (disc == discs_.jets.end()) return overEdgeNearSeed(i, s);
     const float u = fromStart(disc->second.u);
     if (s.u < u && s.label != disc->second.label) return s;
     if (overtakesDisc(core_, jets_.seeds, double(s.u), double(u), double(core_.nodes[i].weight)))
         return s;
     return {u, disc->second.g, disc->second.label, false, false};
+}
+
+JetMarch::Result JetMarch::overEdgeNearSeed(NodeIndex i, const Result& s) const {
+    constexpr float kLonger = 0.1f;  // voxels
+    const auto over = discs_.overEdges.find(i);
+    if (over == discs_.overEdges.end()) return s;
+    const float u = fromStart(over->second.u);
+    if (!(u < s.u - kLonger * core_.nodes[i].weight)) return s;
+    return {u, over->second.g, over->second.label, false, false};
 }
 
 float JetMarch::boundedBelow(NodeIndex i, float u, std::uint32_t label) const {

@@ -232,6 +232,8 @@ private:
     void settle(std::size_t lane, Group& group, Result s, const Batch& batch, Chunk& chunk);
     /// The jet of its start disc, unless the front of another seed was there before.
     Result exactNearSeed(NodeIndex core, const Result& s) const;
+    /// The jet along the line over an edge from a seed, where the march finds a longer path.
+    Result overEdgeNearSeed(NodeIndex i, const Result& s) const;
     /// Not below the straight line from the seed.
     float boundedBelow(NodeIndex i, float u, std::uint32_t label) const;
     /// Whether a value at a core node is within JetOptions::below, or next to it.

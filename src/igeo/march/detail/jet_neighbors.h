@@ -86,7 +86,8 @@ public:
         return {load(ax_, k), load(ay_, k), load(gx_, k), load(gy_, k), load(u_, k)};
     }
 
-    static constexpr float kLongest2 = 2.3f;
+    /// Where fronts pass creases of level sets, neighbors on two faces are farther apart.
+    static constexpr float kLongest2 = 2.3f, kLongestOverCrease2 = 2.7f;
     float longest2 = kLongest2;  ///< squared length up to which fermatUpdate takes segments
 
 private:

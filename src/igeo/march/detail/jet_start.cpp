@@ -14,9 +14,8 @@ namespace igeo {
 
 namespace {
 
-/// Voxels: nearer to a seed of a level set, nodes on the next face over an edge are in its disc;
-/// up to the second where psi shows both faces (overOneEdge).
-constexpr double kNextFace = 1.5, kNextFaceSeen = 2;
+/// Voxels: nearer to a seed of a level set, nodes on the next face over an edge are in its disc.
+constexpr double kNextFace = 1.5;
 
 /// Cost of a chord at seed k, turned into its tangent plane.
 double seedCost(const Band& band, const JetSeeds& seeds, std::uint32_t k, const Vec3f& chord) {
@@ -55,6 +54,26 @@ bool jetByWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k, cons
     return true;
 }
 
+/// The length of the straight line from one point to another over the edge of their planes, if S
+/// runs along it: psi is small there. Else +infinity.
+/// @param n, nTo  unit normals of the planes
+double overOneEdge(const Band& band, const Vec3d& from, const Vec3d& to, const Vec3d& n,
+                   const Vec3d& nTo) {
+    constexpr double kSharp = 0.5, kOnFace = 0.15;  // sine of the bend; voxels
+    const double cosine = dot(n, nTo), sine = std::sqrt(std::max(1 - cosine * cosine, 0.0));
+    if (sine < kSharp || cosine < Band::kOtherSheet) return kInfinity;
+    const Vec3d chord = to - from, along = (1 / sine) * cross(n, nTo);
+    // From both ends to the edge, at right angles to it.
+    const double here = dot(nTo, chord) / sine, there = dot(n, chord) / sine,
+                 sum = std::abs(here) + std::abs(there);
+    if (!(sum > 0)) return kInfinity;
+    const Vec3d edge = from + (here / sine) * (nTo - cosine * n) +
+                       (std::abs(here) / sum * dot(along, chord)) * along;
+    const bool onSurface = staysNearPsi(band, from, edge - from, 4, kOnFace) &&
+                           staysNearPsi(band, to, edge - to, 4, kOnFace);
+    return onSurface ? length(edge - from) + length(to - edge) : kInfinity;
+}
+
 /// A node to which a walk may lead from a seed.
 struct OverWalk {
     NodeIndex node;
@@ -80,8 +99,11 @@ public:
         }
         visitSpine();
         visitWays();
+        visitOverEdges();
     }
     const std::vector<std::pair<NodeIndex, Solved>>& jets() const { return found_; }
+    /// Beyond an edge: StartDiscs::overEdges.
+    const std::vector<std::pair<NodeIndex, Solved>>& overEdges() const { return overEdges_; }
     /// Nodes of a mesh in the disc, if walks lead to them.
     const std::vector<OverWalk>& overWalks() const { return overWalks_; }
     /// The node that is nearest to the seed; none if obstacles hide all.
@@ -186,6 +208,13 @@ private:
             });
     }
     Vec3d nearestOfSeed(NodeIndex i) const { return seed_.nearestTo(core_.footOf(core_.nodes[i])); }
+    /// Whether an obstacle or a jump of the costs lies between a point of the seed and a node.
+    bool isHidden(NodeIndex i, const Vec3d& from, const Vec3d& foot) const {
+        const JetNode& node = core_.nodes[i];
+        return node.obstacleState == Metric::Inside ||
+               core_.metric.blocked(from, foot, Vec3d(seed_.normal)) ||
+               costsJump(core_.band, core_.metric, seed_, foot, double(node.weight));
+    }
     /// @return whether the disc goes on from the node
     bool visit(const Step& step) {
         constexpr double kDetour = 1.25, kRoom = 1;  // voxels
@@ -193,10 +222,7 @@ private:
         if (!visited_.insert(i).second) return false;
         const Vec3d foot = core_.footOf(core_.nodes[i]), from = nearestOfSeed(i);
         const double r = length(foot - from);
-        if (core_.nodes[i].obstacleState == Metric::Inside ||
-            core_.metric.blocked(from, foot, Vec3d(seeds_.points[k_].normal)) ||
-            costsJump(core_.band, core_.metric, seed_, foot, double(core_.nodes[i].weight)))
-            return false;
+        if (isHidden(i, from, foot)) return false;
         if (step.walked > kDetour * r + kRoom) return false;
         if (r < least_) least_ = r, nearest_ = i;
         if (takesWalks(core_)) {
@@ -206,15 +232,46 @@ private:
             return true;
         }
         Solved s;
-        if (!seedNeighborhoodJet(core_, seeds_, k_, core_.localFrame(i), foot, s)) return false;
+        if (!seedNeighborhoodJet(core_, seeds_, k_, core_.localFrame(i), foot, s)) {
+            ends_.push_back(step);
+            return false;
+        }
         // With tensors the disc is large, and may reach over a hole.
         if (r > seeds_.startRadius && leadsOverRim(core_.band, from, foot)) return false;
         // From the next face of a level set the disc would grow over ribs.
         const bool straight =
             core_.band.triangles || isNearPsi(from, foot) || followsSurface(core_.band, from, foot);
-        if (!straight && r > kNextFaceSeen) return false;
+        if (!straight) ends_.push_back(step);
+        if (!straight && r > kNextFace) return false;
         found_.emplace_back(i, s);
         return straight;
+    }
+    /// Over the edges at which the disc of a level set ends.
+    void visitOverEdges() {
+        if (!core_.stretch.empty() || core_.band.triangles) return;
+        std::set<NodeIndex> seen;
+        for (const Step& end : ends_) waiting_.push(end);
+        while (!waiting_.empty()) {
+            const Step next = waiting_.top();
+            waiting_.pop();
+            if (seen.insert(next.node).second && visitOverEdge(next.node)) visitNeighbors(next);
+        }
+    }
+    /// @return whether one edge lies between the seed and the node
+    bool visitOverEdge(NodeIndex i) {
+        const LocalFrame local = core_.localFrame(i);
+        const Vec3f& normal = local.frame.normal();
+        const Vec3d foot = core_.footOf(core_.nodes[i]), from = nearestOfSeed(i);
+        if (length(foot - from) > seeds_.startRadius || isHidden(i, from, foot)) return false;
+        const double far = overOneEdge(core_.band, from, foot, Vec3d(seed_.normal), Vec3d(normal));
+        if (!(far < kInfinity)) return false;
+        const Vec2f a =
+            local.frame.unfold(Vec3f(foot - from), seed_.normal, dot(normal, seed_.normal));
+        const double mean = meanFromSeed(core_.band, core_.metric, seed_, foot, local.weight);
+        Solved s{seed_.start + mean * far, {}, seeds_.source[k_]};
+        if (length(a) > 1e-6f) s.g = (1 / length(a)) * a;
+        overEdges_.emplace_back(i, s);
+        return true;
     }
 
     const JetCore& core_;
@@ -223,31 +280,12 @@ private:
     const SurfacePoint& seed_;
     std::priority_queue<Step> waiting_;
     std::set<NodeIndex> visited_;
-    std::vector<std::pair<NodeIndex, Solved>> found_;
+    std::vector<Step> ends_;  ///< nodes at which the disc ends
+    std::vector<std::pair<NodeIndex, Solved>> found_, overEdges_;
     std::vector<OverWalk> overWalks_;
     NodeIndex nearest_ = kNoNode;
     double least_ = kInfinity;  ///< distance of nearest_, voxels
 };
-
-/// Whether S runs from one point to another over the edge of their planes: psi is small halfway
-/// from each to where the straight line over both planes crosses the edge.
-/// @param n, nTo  unit normals of the planes
-bool overOneEdge(const Band& band, const Vec3d& from, const Vec3d& to, const Vec3d& n,
-                 const Vec3d& nTo) {
-    constexpr double kSharp = 0.5, kOnFace = 0.1;  // sine of the bend; voxels
-    const double cosine = dot(n, nTo), sine = std::sqrt(std::max(1 - cosine * cosine, 0.0));
-    if (sine < kSharp) return false;
-    const Vec3d chord = to - from, along = (1 / sine) * cross(n, nTo);
-    // From both ends to the edge, at right angles to it.
-    const double here = dot(nTo, chord) / sine, there = dot(n, chord) / sine,
-                 sum = std::abs(here) + std::abs(there);
-    if (!(sum > 0)) return false;
-    const Vec3d edge = from + (here / sine) * (nTo - cosine * n) +
-                       (std::abs(here) / sum * dot(along, chord)) * along;
-    for (const Vec3d& end : {from, to})
-        if (!(std::abs(psiAt(band, 0.5 * (end + edge))) <= kOnFace)) return false;
-    return true;
-}
 
 /// The unit normal of S at a seed; beside an edge, of the face that the seed is on.
 Vec3f normalAt(const Band& band, const SurfacePoint& seed) {
@@ -339,11 +377,8 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
                           isOverStep(chordInSpace, Vec3d(normal), Vec3d(seed.normal));
     // Beside an edge the gradient of psi at the seed may turn a little beyond both faces.
     constexpr float kBeyond = 0.1f;
-    const bool isKnownFace =
-        overCrease && !core.band.triangles && cosine >= Band::kOtherSheet - kBeyond &&
-        (c <= float(kNextFace) ||
-         (c <= float(kNextFaceSeen) &&
-          overOneEdge(core.band, from, foot, Vec3d(seed.normal), Vec3d(normal))));
+    const bool isKnownFace = overCrease && !core.band.triangles && c <= float(kNextFace) &&
+                             cosine >= Band::kOtherSheet - kBeyond;
     if (overStep || (overCrease && !isKnownFace)) return false;
     const Vec2f a = cosine < kSmooth && !overCrease ? frame.flat(chord)
                                                     : frame.unfold(chord, seed.normal, cosine);
@@ -377,27 +412,29 @@ double leastOverWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k
 
 StartDiscs startDiscs(const JetCore& core, JetSeeds& seeds) {
     StartDiscs discs;
-    auto add = [&](const std::pair<NodeIndex, Solved>& jet) {
+    const auto addTo = [&](JetsByNode& jets, const std::pair<NodeIndex, Solved>& jet) {
         seeds.largestInDisc = std::max(seeds.largestInDisc, jet.second.u);
-        const auto [at, isNew] = discs.insert(jet);
+        const auto [at, isNew] = jets.insert(jet);
         Solved& least = at->second;
         if (!isNew && std::tie(jet.second.u, jet.second.label) < std::tie(least.u, least.label))
             least = jet.second;
     };
+    const auto add = [&](const std::pair<NodeIndex, Solved>& jet) { addTo(discs.jets, jet); };
     std::vector<OverWalk> overWalks;
     std::vector<std::pair<std::uint32_t, std::pair<NodeIndex, Solved>>> nearest;
     std::vector<bool> reaches(seeds.points.size());
     for (std::uint32_t k = 0; k < seeds.points.size(); ++k) {
         const StartDisc disc(core, seeds, k);
         for (const auto& jet : disc.jets()) add(jet), reaches[k] = true;
+        for (const auto& jet : disc.overEdges()) addTo(discs.overEdges, jet);
         overWalks.insert(overWalks.end(), disc.overWalks().begin(), disc.overWalks().end());
         if (!reaches[k] && disc.hasNearest()) nearest.emplace_back(k, disc.nearest());
     }
     // A curve has many seeds around a node: only those count that may be the first.
     std::sort(overWalks.begin(), overWalks.end());
     for (const OverWalk& over : overWalks) {
-        const auto at = discs.find(over.node);
-        const bool isLater = at != discs.end() && at->second.u < over.least;
+        const auto at = discs.jets.find(over.node);
+        const bool isLater = at != discs.jets.end() && at->second.u < over.least;
         Solved s;
         if (!isLater && jetByWalk(core, seeds, over.seed, core.localFrame(over.node),
                                   core.footOf(core.nodes[over.node]), seeds.startRadius, s))

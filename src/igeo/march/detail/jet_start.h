@@ -34,8 +34,16 @@ inline bool overtakesDisc(const JetCore& core, const JetSeeds& seeds, double u, 
            u < disc - kEarlier * weight;
 }
 
-/// Jets by core node.
-using StartDiscs = std::map<NodeIndex, Solved>;
+using JetsByNode = std::map<NodeIndex, Solved>;
+
+/// Jets of core nodes around the seeds.
+struct StartDiscs {
+    JetsByNode jets;
+    /// On the next face of a level set over an edge, along the straight line over both planes:
+    /// paths as long as these exist, so they count where the march finds a longer one. Without
+    /// tensors.
+    JetsByNode overEdges;
+};
 
 /// The start discs of all seeds, each connected to its seed over links of the core; the least value
 /// where they overlap, and the earlier seed where they are equal. Sets JetSeeds::largestInDisc.
