@@ -194,16 +194,13 @@ void JetMarch::gather(const Batch& batch, Group& group) {
         const JetRows::Row& row = *group.rows.of[lane];
         group.weight[lane] = here.weight;
         group.line2[lane] = line2(here);
-        const float base = weighted_ ? start / here.weight : start;
+        group.jets.begin(weighted_ ? start / here.weight : start,
+                         isotropic_ ? JetNeighbors::kLongest2 : core_.longest2(core_.stretch[i]));
         if (!isotropic_) {
-            group.jets.begin(base, core_.longest2(core_.stretch[i]));
             addStretched(i, row, batch, group.jets);
             continue;
         }
         group.overCrease[lane] = group.overCrease[lane] && knowsCrease(row);
-        group.jets.begin(base, group.overCrease[lane] && !onMesh_
-                                   ? JetNeighbors::kLongestOverCrease2
-                                   : JetNeighbors::kLongest2);
         group.jets.expect(row.knownCount, !group.overCrease[lane]);
         for (std::size_t k = 0; k < row.knownCount && !jets_.label.empty(); ++k)
             group.jets.setSource(k, jets_.label[row.knownLink(k).node()]);

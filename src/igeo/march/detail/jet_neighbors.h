@@ -86,8 +86,7 @@ public:
         return {load(ax_, k), load(ay_, k), load(gx_, k), load(gy_, k), load(u_, k)};
     }
 
-    /// Where fronts pass creases of level sets, neighbors on two faces are farther apart.
-    static constexpr float kLongest2 = 2.3f, kLongestOverCrease2 = 2.7f;
+    static constexpr float kLongest2 = 2.3f;
     float longest2 = kLongest2;  ///< squared length up to which fermatUpdate takes segments
 
 private:
