@@ -23,14 +23,14 @@ Vec3d cornerNear(const SurfaceTriangles& triangles, const Vec3d& p) {
     return best;
 }
 
-/// The mean, in which no value counts more than all but a sixteenth, unless half their number times
+/// The mean, in which no value counts more than all but an eighth, unless half their number times
 /// the median is more: a few that are far off add little. Where most are zero, as those on the face
 /// of the seed, the others count.
 double steadyMean(std::vector<double> values) {
     if (values.empty()) return 0;
     std::sort(values.begin(), values.end());
     const std::size_t n = values.size();
-    const double most = std::max(values[n - 1 - n / 16], double(n) / 2 * values[n / 2]);
+    const double most = std::max(values[n - 1 - n / 8], double(n) / 2 * values[n / 2]);
     double sum = 0;
     for (const double x : values) sum += std::min(x, most);
     return sum / double(values.size());

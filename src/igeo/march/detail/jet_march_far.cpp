@@ -18,12 +18,13 @@ JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, 
     constexpr float kAlike = 0.2f;
     constexpr float kShorter = 0.25f;  // voxels: than its chord no unfolded line is
     constexpr float kInPlane = 0.1f;   // voxels
+    constexpr float kAbove = 1e-3f;    // voxels
     constexpr double kOff = 0.15;      // voxels
     const JetNode& here = core_.nodes[i];
     const TangentFrame frame(here.normal, core_.band.faceted);
     const Ijk voxel = core_.voxelOf(here);
-    // A path goes on to a neighbor, so one has to lie lower; or to the edge itself, beyond which
-    // all neighbors may be.
+    // A path goes on to a neighbor, so one has to lie lower. All neighbors of a node on the edge
+    // itself may be beyond it: it gets a value just above the least of them.
     float least = float(kInfinity);
     for (std::size_t k = 0; k < row.knownCount; ++k)
         least = std::min(least, valueIn(batch, row.knownLink(k).node()) / here.weight);
@@ -38,9 +39,10 @@ JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, 
         const Vec3f chord = here.foot - other.foot - Vec3f(core_.voxelOf(other) - voxel);
         if (!(value + length(chord) < s.u + kShorter)) return;
         const Vec2f a = frame.unfold(chord, other.normal, cosine);
-        const float len = length(a), u = value + len;
-        const bool mayPass = u > least || std::abs(dot(other.normal, chord)) < kInPlane;
-        if (!(mayPass && u < s.u && len > 0) ||
+        const bool inPlane = std::abs(dot(other.normal, chord)) < kInPlane;
+        const float len = length(a), line = value + len,
+                    u = inPlane ? std::max(line, least + kAbove) : line;
+        if (!(u > least && u < s.u && len > 0) ||
             !staysNearPsi(core_.band, core_.footOf(here), -Vec3d(chord), 3, kOff))
             return;
         s.u = u, s.g = (1 / len) * a, s.source = jets_.labelOf(k);

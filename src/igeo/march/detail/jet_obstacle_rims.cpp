@@ -159,10 +159,11 @@ std::optional<Corner> cornerAt(const JetCore& core, const Vec3d& beside, const V
     if (!found) return {};
     const Vec3d point = *found;
     const TangentFrame frame(normal);
-    const auto at = [&](double k) {
+    const auto at = [&](double k, double radii = 1) {
         const double angle = 2 * kPi * k / kSides;
-        return point + kRadius * (std::cos(angle) * Vec3d(frame.axis(0)) +
-                                  std::sin(angle) * Vec3d(frame.axis(1)));
+        return point + radii * kRadius *
+                           (std::cos(angle) * Vec3d(frame.axis(0)) +
+                            std::sin(angle) * Vec3d(frame.axis(1)));
     };
     int blocked = 0, parts = 0;
     bool isBlocked = core.metric.blocked(at(-1), at(0), Vec3d(normal));
@@ -176,6 +177,11 @@ std::optional<Corner> cornerAt(const JetCore& core, const Vec3d& beside, const V
         inside += at(k + 0.5) - point;
     }
     if (parts != 1 || blocked > kMostBlocked) return {};
+    // A point, as a single vertex, has no corner.
+    bool goesOn = false;
+    for (int k = 0; k < kSides && !goesOn; ++k)
+        goesOn = core.metric.blocked(at(k, 2), at(k + 1, 2), Vec3d(normal));
+    if (!goesOn) return {};
     const Vec3d out = -normalized(inside);
     const double off = std::min(double(kRimOff) / std::sin(kPi * blocked / kSides), kMostOff);
     const Vec3d moved = point + off * out;
