@@ -3,9 +3,9 @@
 #include <igeo/surface/point_surface.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 // Positions on the surface of a cloud.
 namespace igeo {
@@ -66,40 +66,39 @@ bool PointSurface::within(const Vec3d& y, const Vec3d& n,
 
 Vec3d PointSurface::onRim(const Vec3d& y, const Vec3d& n,
                           const std::vector<Index>& neighbors) const {
-    using Point = std::array<double, 2>;
     const Vec3d s = anyNormalTo(n), t = cross(n, s);
-    std::vector<Point> points;
+    std::vector<Vec2d> points;
     for (const Index j : neighbors) {
         const Vec3d d = points_[j] - y;
         if (dot(d, d) < squareOf(points_.reach(j)) && sameSheet(j, n))
             points.push_back({dot(s, d), dot(t, d)});
     }
     // The corners of the hull, counterclockwise: first its lower side, then its upper one.
-    std::vector<Point> hull;
-    const auto add = [&](std::size_t first, const Point& p) {
+    std::vector<Vec2d> hull;
+    const auto add = [&](std::size_t first, const Vec2d& p) {
         const auto turnsRight = [&] {
-            const Point &a = hull[hull.size() - 2], &b = hull.back();
-            return (b[0] - a[0]) * (p[1] - b[1]) <= (b[1] - a[1]) * (p[0] - b[0]);
+            const Vec2d &a = hull[hull.size() - 2], &b = hull.back();
+            return cross(b - a, p - b) <= 0;
         };
         while (hull.size() >= first + 2 && turnsRight()) hull.pop_back();
         hull.push_back(p);
     };
-    std::sort(points.begin(), points.end());
-    for (std::size_t k = 0; k < points.size(); ++k) add(0, points[k]);
+    std::sort(points.begin(), points.end(), [](const Vec2d& a, const Vec2d& b) {
+        return std::tie(a.x, a.y) < std::tie(b.x, b.y);
+    });
+    for (const Vec2d& p : points) add(0, p);
     const std::size_t lower = hull.empty() ? 0 : hull.size() - 1;
     for (std::size_t k = points.size(); k-- > 0;) add(lower, points[k]);
     double least = kInfinity;
-    Point nearest{};
+    Vec2d nearest;
     for (std::size_t k = 1; k < hull.size(); ++k) {
-        const Point &a = hull[k - 1], along = {hull[k][0] - a[0], hull[k][1] - a[1]};
-        const double size = squareOf(along[0]) + squareOf(along[1]);
-        const double at =
-            size > 0 ? std::clamp(-(a[0] * along[0] + a[1] * along[1]) / size, 0.0, 1.0) : 0;
-        const Point p = {a[0] + at * along[0], a[1] + at * along[1]};
-        const double far2 = squareOf(p[0]) + squareOf(p[1]);
-        if (far2 < least) least = far2, nearest = p;
+        const Vec2d &a = hull[k - 1], along = hull[k] - a;
+        const double size = dot(along, along),
+                     at = size > 0 ? std::clamp(-dot(a, along) / size, 0.0, 1.0) : 0;
+        const Vec2d p = a + at * along;
+        if (dot(p, p) < least) least = dot(p, p), nearest = p;
     }
-    return y + nearest[0] * s + nearest[1] * t;
+    return y + nearest.x * s + nearest.y * t;
 }
 
 double PointSurface::roughDistance(const Vec3d& x, Index nearest) const {

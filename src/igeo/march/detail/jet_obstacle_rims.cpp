@@ -19,16 +19,24 @@ constexpr std::uint32_t kNoRim = ~0u;  ///< a node that is not on a rim
 /// with a radius of 6 voxels stay outside. Voxels.
 constexpr float kRimOff = 0.05f;
 
-/// How far a point goes from `from` along `step` before an obstacle, as a part of the step, to a
-/// thousandth.
-float freePart(const Metric& metric, const Vec3d& from, const Vec3f& step, const Vec3d& normal) {
-    float free = 0, blocked = 1;
+/// The largest part t of a range from 0 to 1 for which `holds(t)`, if it does up to there and
+/// nowhere beyond, to a thousandth.
+template <typename Holds>
+double lastOf(const Holds& holds) {
+    double yes = 0, no = 1;
     for (int round = 0; round < 10; ++round) {
-        const float t = (free + blocked) / 2;
-        const Vec3d p = from + Vec3d(t * step);
-        (metric.blocked(p, p, normal) ? blocked : free) = t;
+        const double t = (yes + no) / 2;
+        (holds(t) ? yes : no) = t;
     }
-    return free;
+    return yes;
+}
+
+/// How far a point goes from `from` along `step` before an obstacle, as a part of the step.
+float freePart(const Metric& metric, const Vec3d& from, const Vec3f& step, const Vec3d& normal) {
+    return float(lastOf([&](double t) {
+        const Vec3d p = from + Vec3d(float(t) * step);
+        return !metric.blocked(p, p, normal);
+    }));
 }
 
 /// A node inside an obstacle, or just outside of it, that moves onto its rim.
@@ -102,18 +110,6 @@ struct Corner {
     double off;          ///< so far outside a node is kRimOff off both sides
     NodeIndex neighbor;  ///< a core node beside it
 };
-
-/// The largest part t of a range from 0 to 1 for which `holds(t)`, if it does up to there and
-/// nowhere beyond, to a thousandth.
-template <typename Holds>
-double lastOf(const Holds& holds) {
-    double yes = 0, no = 1;
-    for (int round = 0; round < 10; ++round) {
-        const double t = (yes + no) / 2;
-        (holds(t) ? yes : no) = t;
-    }
-    return yes;
-}
 
 /// The point of an obstacle that is highest over a step along S that it blocks, on one side of the
 /// step. None where the obstacle goes on there, or is lower than what steps along balls of 1.2

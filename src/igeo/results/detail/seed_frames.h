@@ -114,9 +114,9 @@ public:
     double distance(NodeIndex i) const { return distance_[i] - field_.seeds[label(i)].start; }
     const Vec3f& gradient(NodeIndex i) const { return gradient_[i]; }
     float weight(NodeIndex i) const { return float(metric_.at(i)); }
-    /// That of a core node, where the march has it.
+    /// At the point where the march has a core node.
     Chart chart(NodeIndex core) const;
-    /// That of its own foot point.
+    /// At the foot point of a node of the band.
     Chart chartAtFoot(NodeIndex i) const;
 
     /// Near the seed: the seed's frame, transported along the chord. False elsewhere.
