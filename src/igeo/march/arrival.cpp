@@ -388,19 +388,16 @@ Arrival Reader::ofSource(std::uint32_t source, double value) const {
 
 Arrival Reader::byWalks() const {
     JetsByWalks around = coreByWalks(field_, onMesh(), cell_);
-    const std::vector<Seen> seen = place_.byWays ? seenFrom(field_, onMesh()) : std::vector<Seen>{};
-    addSeen(field_, seen, around);
+    const std::vector<Seen> seen =
+        place_.byWays ? seenFrom(field_, onMesh(), around.here()) : std::vector<Seen>{};
+    addSeen(seen, around);
     Arrival first;
     for (const std::uint32_t own : around.sources())
         takeFirst(first, ofSource(own, around.first(own).distance));
     // A seed that is nearer than any node of its sheet.
     first = orDisc(first, straight(first.distance, [](std::size_t) { return true; }));
-    const double here = metric_.at(cell_);
-    for (const Seen& s : seen) {
-        if (!s.seed) continue;
-        if (const double d = s.distance((here + s.seed->weight) / 2); d < first.distance)
-            first = {d, s.jet.label, s.seed};
-    }
+    for (const Seen& s : seen)
+        if (s.seed && s.distance() < first.distance) first = {s.distance(), s.jet.label, s.seed};
     return orFromPage(first);
 }
 

@@ -332,12 +332,12 @@ bool Tracer::followLine(Path& path, State& at) {
         return false;
     const double here = weightAt(at.p);
     const std::vector<Seen> seen =
-        seenFrom(field_, footPlace(*band_.triangles, at.p, sheetNormal_), /*withCrossings=*/true);
+        seenFrom(field_, footPlace(*band_.triangles, at.p, sheetNormal_), here,
+                 /*withCrossings=*/true);
     const Seen* best = nullptr;
     double least = kInfinity;
     for (const Seen& s : seen) {
-        const double there = s.seed ? s.seed->weight : metric.at(s.node),
-                     d = s.distance((here + there) / 2);
+        const double d = s.distance();
         if (d < least && s.jet.distance < at.d - kFall * here) least = d, best = &s;
     }
     // The front may have come over links.

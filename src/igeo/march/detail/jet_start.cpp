@@ -25,13 +25,12 @@ double seedCost(const Band& band, const JetSeeds& seeds, std::uint32_t k, const 
 }
 
 /// The jet at the end of a walk from seed k.
-Solved jetOver(const WalkEnds& way, const JetCore& core, const JetSeeds& seeds, std::uint32_t k,
-               const LocalFrame& local, const SurfaceTriangles::Place& to) {
+/// @param cost  of the walk
+Solved jetOver(const WalkEnds& way, double cost, const JetCore& core, const JetSeeds& seeds,
+               std::uint32_t k, const LocalFrame& local, const SurfaceTriangles::Place& to) {
     const SurfaceTriangles& triangles = *core.band.triangles;
-    const SurfacePoint& seed = seeds.points[k];
     const Vec3d normal(local.frame.normal());
-    const double mean = meanFromSeed(core.band, core.metric, seed, to.point, local.weight);
-    Solved s{seed.start + mean * way.length, {}, seeds.source[k]};
+    Solved s{seeds.points[k].start + cost, {}, seeds.source[k]};
     const Vec3d face = sideOf(triangles, to, normal) * triangles.normal(way.last);
     const Vec2f in = local.frame.flat(Vec3f(turned(way.in, face, normal)));
     if (length(in) > 0) s.g = (1 / length(in)) * in;
@@ -50,7 +49,8 @@ bool jetByWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k, cons
     const WalkEnds way =
         ShortWalk(triangles).ends({from.triangle, from.point}, {to.triangle, foot}, most);
     if (!(way.length < kInfinity)) return false;
-    s = jetOver(way, core, seeds, k, local, to);
+    const double mean = meanFromSeed(core.band, core.metric, seed, to.point, local.weight);
+    s = jetOver(way, mean * way.length, core, seeds, k, local, to);
     return true;
 }
 
@@ -174,17 +174,22 @@ private:
             !hasWays(band, cellAt(band, seed_.pIndex), core_.isEven()))
             return;
         const auto at = band.triangles->nearest(seed_.pIndex);
-        const MeshFan fan(*band.triangles, MeshPoint{at.triangle, at.point}, MeshWays::kReach,
+        // Where costs vary, paths bend off longer lines.
+        const double reach = core_.costsVary ? seeds_.startRadius : MeshWays::kReach;
+        const MeshFan fan(*band.triangles, MeshPoint{at.triangle, at.point}, reach,
                           AtVertex::GoAround);
         WalkEnds way;
         for (std::size_t k = 0; k < fan.parts().size(); ++k)
             band.ways->nodes.forOn(fan.parts()[k].triangle, [&](NodeIndex node) {
                 if (!fan.sees(k, band.footPoint(node), way)) return;
-                if (isBlocked(core_.metric, *band.triangles, fan, k, band.footPoint(node))) return;
+                const Vec3d foot = band.footPoint(node);
+                if (isBlocked(core_.metric, *band.triangles, fan, k, foot)) return;
                 const NodeIndex i = band.coreNode(node);
                 const LocalFrame local = core_.localFrame(i);
-                found_.emplace_back(i,
-                                    jetOver(way, core_, seeds_, k_, local, band.footPlace(node)));
+                const double cost =
+                    costOf(band, core_.metric, fan, k, foot, way, seed_.weight, local.weight);
+                found_.emplace_back(
+                    i, jetOver(way, cost, core_, seeds_, k_, local, band.footPlace(node)));
             });
     }
     /// Whether psi is 0 along the chord from the seed, or nearly so, where the band has it.

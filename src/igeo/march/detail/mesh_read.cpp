@@ -98,6 +98,16 @@ double sideOf(const SurfaceTriangles& triangles, const SurfaceTriangles::Place& 
     return dot(triangles.normal(foot.triangle), normal) < Band::kOtherSheet ? -1 : 1;
 }
 
+void LineCost::operator()(const Vec3d& a, const Vec3d& b, std::uint32_t triangle) {
+    const Vec3d normal = band_.triangles->normal(triangle);
+    const double far = length(b - a), parts = std::ceil(far);
+    for (double k = 1; k <= parts; ++k) {
+        done_ += far / parts;
+        const SurfaceCell cell(band_, metric_, a + (k / parts) * (b - a), normal);
+        if (!cell.empty()) take(metric_.at(cell));
+    }
+}
+
 std::size_t JetsByWalks::faceOf(const Vec3d& up) {
     constexpr double kOneFace = 0.8;  // 37 degrees
     std::size_t face = 0;
@@ -132,7 +142,28 @@ double JetsByWalks::add(NodeIndex node, const NodeJet& jet, double weight, doubl
     const SurfaceTriangles::Place place = band_.footPlace(node);
     const MeshPoint from{place.triangle, place.point};
     const WalkEnds way = walk_.ends(from, at_, most);
-    return isBlocked(from, way) ? kInfinity : add(way, node, jet, weight);
+    if (!(way.length < kInfinity) || isBlocked(from, way)) return kInfinity;
+    return addOver(way, node, jet, costOf(from, way, weight));
+}
+
+double JetsByWalks::add(const WalkEnds& line, NodeIndex node, const NodeJet& jet, double weight) {
+    constexpr double kRoom = 0.1;  // voxels: a walk goes around vertices less tightly
+    double mean = (here_ + weight) / 2;
+    if (!metric_.weight.empty()) {
+        const SurfaceTriangles::Place place = band_.footPlace(node);
+        const MeshPoint from{place.triangle, place.point};
+        const WalkEnds way = walk_.ends(from, at_, kBeforeTight * line.length + kRoom);
+        if (way.length > 0 && way.length < kInfinity) mean = costOf(from, way, weight) / way.length;
+    }
+    return addOver(line, node, jet, mean * line.length);
+}
+
+double JetsByWalks::costOf(const MeshPoint& from, const WalkEnds& way, double weight) const {
+    constexpr double kShort = 1;  // voxels
+    if (metric_.weight.empty() || way.length <= kShort) return (here_ + weight) / 2 * way.length;
+    LineCost cost(band_, metric_, here_);
+    walk_.forSegments(from, at_, cost);
+    return cost.endingAt(weight);
 }
 
 bool JetsByWalks::isBlocked(NodeIndex node, double walk) {
@@ -153,12 +184,11 @@ bool JetsByWalks::isBlocked(const MeshPoint& from, const WalkEnds& way) const {
     return segments.any;
 }
 
-double JetsByWalks::add(const WalkEnds& way, NodeIndex node, const NodeJet& jet, double weight) {
-    if (!(way.length < kInfinity)) return kInfinity;
-    const double cost = (1 + weight / here_) / 2 * way.length;
+double JetsByWalks::addOver(const WalkEnds& way, NodeIndex node, const NodeJet& jet, double cost) {
+    const double over = cost / here_;
     const Vec3d up = triangles_.normal(way.last);
     Carried carried{
-        {{float(cost), 0}, {}, jet.distance / here_}, kNoFace, node, jet.label, way.in, up};
+        {{float(over), 0}, {}, jet.distance / here_}, kNoFace, node, jet.label, way.in, up};
     const Vec3d start = triangles_.normal(way.first);
     if (way.straight && up != Vec3d{} && start != Vec3d{}) {
         const std::size_t face = carried.face = faceOf(up);
@@ -168,12 +198,12 @@ double JetsByWalks::add(const WalkEnds& way, NodeIndex node, const NodeJet& jet,
         const double left = dot(g, cross(start, way.out));
         const Vec2f in = TangentFrame(Vec3f(faceNormal_[face])).flat(Vec3f(way.in));
         const Vec2f to = length(in) > 0 ? (1 / length(in)) * in : Vec2f{1, 0};
-        carried.jet.a = float(cost) * to;
+        carried.jet.a = float(over) * to;
         carried.jet.g =
             float(dot(g, way.out)) * to + float(way.mirrored ? -left : left) * Vec2f{-to.y, to.x};
     }
     jets_.push_back(carried);
-    return jet.distance + here_ * cost;
+    return jet.distance + cost;
 }
 
 std::vector<std::uint32_t> JetsByWalks::sources() const {
@@ -260,6 +290,14 @@ bool isBlocked(const Metric& metric, const SurfaceTriangles& triangles,
     return segments.any;
 }
 
+double costOf(const Band& band, const Metric& metric, const MeshFan<SurfaceTriangles>& fan,
+              std::size_t k, const Vec3d& to, const WalkEnds& line, double here, double there) {
+    if (metric.weight.empty()) return line.length;
+    LineCost cost(band, metric, there);
+    fan.forSegments(k, to, cost);
+    return cost.endingAt(here);
+}
+
 bool hasWays(const Band& band, const BandCell& cell, bool even) {
     if (!band.ways) return false;
     bool found = false;
@@ -269,7 +307,7 @@ bool hasWays(const Band& band, const BandCell& cell, bool even) {
     return found;
 }
 
-std::vector<Seen> seenFrom(const Field& field, const SurfaceTriangles::Place& at,
+std::vector<Seen> seenFrom(const Field& field, const SurfaceTriangles::Place& at, double here,
                            bool withCrossings) {
     const Band& band = *field.band;
     const SurfaceTriangles& triangles = *band.triangles;
@@ -288,7 +326,13 @@ std::vector<Seen> seenFrom(const Field& field, const SurfaceTriangles::Place& at
     auto add = [&](std::size_t part, NodeIndex node, const SurfacePoint* seed, const Vec3d& there,
                    const NodeJet& jet) {
         if (isBlocked(*field.metric, triangles, fan, part, there)) return;
-        all.push_back({node, seed, jet, out.reversed(), {}});
+        const double weight = seed ? seed->weight : field.metric->at(node);
+        all.push_back({node,
+                       seed,
+                       jet,
+                       out.reversed(),
+                       costOf(band, *field.metric, fan, part, there, out, here, weight),
+                       {}});
         if (!withCrossings) return;
         all.back().crossings = fan.crossings(part, there);
         std::reverse(all.back().crossings.begin(), all.back().crossings.end());
@@ -308,9 +352,9 @@ std::vector<Seen> seenFrom(const Field& field, const SurfaceTriangles::Place& at
     return all;
 }
 
-void addSeen(const Field& field, const std::vector<Seen>& seen, JetsByWalks& jets) {
+void addSeen(const std::vector<Seen>& seen, JetsByWalks& jets) {
     for (const Seen& s : seen)
-        if (s.node != kNoNode) jets.add(s.line, s.node, s.jet, field.metric->at(s.node));
+        if (s.node != kNoNode) jets.addOver(s.line, s.node, s.jet, s.cost);
 }
 
 JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at,

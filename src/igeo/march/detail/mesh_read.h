@@ -26,6 +26,36 @@ SurfaceTriangles::Place footPlace(const SurfaceTriangles& triangles, const Vec3d
 double sideOf(const SurfaceTriangles& triangles, const SurfaceTriangles::Place& foot,
               const Vec3d& normal);
 
+/// The cost of a line over triangles: by the weights at its ends and, where these vary, at points
+/// between that have a node around, a voxel apart at most.
+class LineCost {
+public:
+    /// @param first  the weight where the line begins
+    LineCost(const Band& band, const Metric& metric, double first)
+        : band_(band), metric_(metric), weight_(first) {}
+
+    /// Adds a straight part, on a triangle.
+    void operator()(const Vec3d& a, const Vec3d& b, std::uint32_t triangle);
+    /// Of all parts.
+    /// @param last  the weight where the line ends
+    double endingAt(double last) {
+        take(last);
+        return cost_;
+    }
+
+private:
+    void take(double weight) {
+        cost_ += (weight_ + weight) / 2 * (done_ - known_);
+        weight_ = weight, known_ = done_;
+    }
+
+    const Band& band_;
+    const Metric& metric_;
+    double weight_;     ///< the last that is known
+    double known_ = 0;  ///< so far along the line
+    double done_ = 0, cost_ = 0;
+};
+
 /// Jets around a point of a mesh, laid flat, on each of the faces that meet in the point by itself.
 class JetsByWalks {
 public:
@@ -38,6 +68,9 @@ public:
           walk_(triangles_),
           at_{at.triangle, at.point},
           here_(here) {}
+
+    /// The weight at the point.
+    double here() const { return here_; }
 
     /// Carries the jet of a node over a walk.
     /// @param jet     its gradient of any length
@@ -52,6 +85,8 @@ public:
     bool isBlocked(NodeIndex node, double walk);
     /// The same over a line that is known, past all obstacles.
     double add(const WalkEnds& line, NodeIndex node, const NodeJet& jet, double weight);
+    /// @param cost  of the line
+    double addOver(const WalkEnds& line, NodeIndex node, const NodeJet& jet, double cost);
 
     /// The same across a gap that a bridge joins, to a point at its rim: over both planes,
     /// unfolded.
@@ -89,7 +124,10 @@ private:
     Jet firstOnFace(const std::vector<const Carried*>& jets, int pairsLeft);
     /// Turns q around the point until its node is so far from that of p.
     static void setApart(const Carried& p, Carried& q, double apart);
-    /// Whether an obstacle blocks the walk that was found last.
+    /// The cost of the walk that was found last.
+    /// @param weight  where it starts
+    double costOf(const MeshPoint& from, const WalkEnds& way, double weight) const;
+    /// Whether an obstacle blocks that walk.
     bool isBlocked(const MeshPoint& from, const WalkEnds& way) const;
 
     const Band& band_;
@@ -106,6 +144,11 @@ private:
 bool isBlocked(const Metric& metric, const SurfaceTriangles& triangles,
                const MeshFan<SurfaceTriangles>& fan, std::size_t k, const Vec3d& to);
 
+/// The cost of that line, by LineCost.
+/// @param here, there  the weights at the point of the fan and at the other end
+double costOf(const Band& band, const Metric& metric, const MeshFan<SurfaceTriangles>& fan,
+              std::size_t k, const Vec3d& to, const WalkEnds& line, double here, double there);
+
 /// Whether lines of MeshWays end at a corner of a cell or beside it.
 /// @param even  one cost everywhere, and no obstacles: those at rims count too
 bool hasWays(const Band& band, const BandCell& cell, bool even);
@@ -116,15 +159,17 @@ struct Seen {
     const SurfacePoint* seed = nullptr;
     NodeJet jet;                   ///< at the node or the seed
     WalkEnds line;                 ///< from there to the point
+    double cost;                   ///< of the line
     std::vector<Vec3d> crossings;  ///< of edges, and vertices, from the point on; if asked for
 
-    double distance(double weight) const { return jet.distance + weight * line.length; }
+    double distance() const { return jet.distance + cost; }
 };
 /// All of them up to MeshWays::kReach that have a value, past all obstacles.
-std::vector<Seen> seenFrom(const Field& field, const SurfaceTriangles::Place& at,
+/// @param here  the weight at the point
+std::vector<Seen> seenFrom(const Field& field, const SurfaceTriangles::Place& at, double here,
                            bool withCrossings = false);
 /// Carries their jets to the point.
-void addSeen(const Field& field, const std::vector<Seen>& seen, JetsByWalks& jets);
+void addSeen(const std::vector<Seen>& seen, JetsByWalks& jets);
 
 /// Carries the jets of the core around a point of a mesh to it.
 /// @param cell  of the point, with the corners on its sheet
