@@ -263,6 +263,19 @@ TEST_CASE("Where fronts meet: the same bits whatever is read before, and by seve
         byRays += jets.valueOf(k) != jets.marchedValueOf(k);
     std::printf("torus: %zu of %zu core nodes by rays\n", byRays, jets.state.size());
     CHECK(byRays > 300);
+    // Where they meet at small angles, the march is solved again from each of them.
+    std::size_t both = 0, lesser = 0;
+    for (NodeIndex k = 0; k < jets.state.size(); ++k)
+        if (const TwoFronts* const at = jets.meetings->bothAt(k)) {
+            const double first = std::min(at->front[0].u, at->front[1].u);
+            ++both, lesser += std::abs(first - jets.valueOf(k)) < 1e-4;
+        }
+    std::printf("two fronts at %zu nodes, the first of them at %zu\n", both, lesser);
+    CHECK(both > 100);
+    CHECK(double(lesser) > 0.9 * double(both));
+    const Field single = marchJet(band, nullptr, seeds);
+    CHECK(single.distance == whole.distance);
+    CHECK(single.gradient == whole.gradient);
     for (NodeIndex i = band.size(); i-- > 0;)
         unequal += backward.at(i).distance != whole.distance[i];
     CHECK(unequal == 0);

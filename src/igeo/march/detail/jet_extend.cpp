@@ -2,6 +2,7 @@
 
 #include <igeo/band/detail/chord.h>
 #include <igeo/march/detail/jet_blend.h>
+#include <igeo/march/detail/jet_two_fronts.h>
 #include <igeo/march/detail/mesh_read.h>
 
 namespace igeo {
@@ -363,7 +364,9 @@ void Extension::solveDoubtful(Doubtful::Some& some, Group& group) const {
         const JetGroup::Solution& best = solutions[k];
         const double u = node.around.node[0].jet.u + double(best.u);
         const Found s = fromChart(u, best.g, best.source, node.local);
-        if (frontsMeet(node, best.g))
+        if (const std::optional<Found> of = byTwoFronts(node, u))
+            finishOrInDisc(node.at, *of);
+        else if (frontsMeet(node, best.g))
             addMeeting(node, u, s, group.meetings, fronts);
         else
             finishOrInDisc(node.at, s);
@@ -371,6 +374,25 @@ void Extension::solveDoubtful(Doubtful::Some& some, Group& group) const {
     }
     fronts.finish(group.meetings.points);
     some.fronts.clear();
+}
+
+std::optional<Extension::Found> Extension::byTwoFronts(const Doubtful::Node& node,
+                                                       double before) const {
+    const Around& around = node.around;
+    if (!jets_.meetings || !metric_.clear(node.at.node) || around.overCrease()) return {};
+    std::array<TwoFrontsFit::Neighbor, JetNeighbors::kMax> neighbors;
+    bool beside = false;
+    for (std::size_t k = 0; k < around.count; ++k) {
+        const Around::Node& n = around.node[k];
+        if (n.source != around.node[0].source) return {};
+        neighbors[k] = {n.core, n.jet.a, jets_.meetings->bothAt(n.core)};
+        beside |= neighbors[k].both != nullptr;
+    }
+    if (!beside) return {};
+    const auto found =
+        TwoFrontsFit(jets_).solve(node.local.frame, {neighbors.data(), around.count}, before);
+    if (!found || !found->isBeside() || found->angle > TwoFrontsFit::kLargestAngle) return {};
+    return fromChart(found->u, found->g, around.node[0].source, node.local);
 }
 
 void Extension::addMeeting(const Doubtful::Node& node, double u, const Found& before,

@@ -215,6 +215,9 @@ private:
     /// Whether all corners of a node are of one smooth sheet and of one source.
     IGEO_INLINE bool isSimple(const Group& group, std::size_t lane) const;
     void solveDoubtful(Doubtful::Some& some, Group& group) const;
+    /// From both fronts, beside a locus along which they meet at a small angle; else none.
+    /// @param before  value by a fit, over the weight, from the least start
+    std::optional<Found> byTwoFronts(const Doubtful::Node& node, double before) const;
     void addMeeting(const Doubtful::Node& node, double u, const Found& before, Meetings& meetings,
                     FrontsAtPoints& fronts) const;
     /// By rays, where these find a jet.

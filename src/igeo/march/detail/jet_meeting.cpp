@@ -2,6 +2,7 @@
 
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/jet_rays.h>
+#include <igeo/march/detail/jet_two_fronts.h>
 
 #include <algorithm>
 #include <array>
@@ -204,13 +205,20 @@ MeetingPoint pointOf(const CoreJets& jets, const Meeting& m) {
 
 }  // namespace
 
-Meetings::Meetings(const CoreJets& jets, std::vector<Meeting> list, std::vector<std::uint8_t> near)
-    : list_(std::move(list)), marks_(std::move(near)) {
+Meetings::Meetings(const CoreJets& jets, std::vector<Meeting> list, std::vector<std::uint8_t> near,
+                   std::vector<TwoFronts> both)
+    : list_(std::move(list)), marks_(std::move(near)), both_(std::move(both)) {
     state_.reserve(list_.size()), solved_.reserve(list_.size());
     for (const Meeting& m : list_) {
         marks_[m.node] |= kAt;
         state_.push_back(jets.state[m.node]), solved_.push_back(m.fronts.count == 0);
     }
+}
+
+const TwoFronts* Meetings::bothAt(NodeIndex k) const {
+    if (!(marks_[k] & kBoth)) return nullptr;
+    return &*std::lower_bound(both_.begin(), both_.end(), k,
+                              [](const TwoFronts& b, NodeIndex i) { return b.node < i; });
 }
 
 std::size_t Meetings::indexOf(NodeIndex k) const {
@@ -272,14 +280,16 @@ void Meetings::solveAll(const CoreJets& jets) const {
     });
 }
 
-std::shared_ptr<const Meetings> findMeetings(const CoreJets& jets, JetLinks& own,
+std::shared_ptr<const Meetings> findMeetings(CoreJets& jets, JetLinks& own,
                                              const std::vector<NodeIndex>& nodes) {
     const JetCore& core = *jets.core;
     if (core.costsVary || core.metric.anisotropic() || nodes.empty()) return nullptr;
     Marks near(core.nodes.size());
     std::vector<Meeting> found = MeetingSearch(jets, own, near).find(nodes);
     if (found.empty()) return nullptr;
-    return std::make_shared<const Meetings>(jets, std::move(found), std::move(near));
+    std::vector<TwoFronts> both = carryTwoFronts(jets, found, near);
+    return std::make_shared<const Meetings>(jets, std::move(found), std::move(near),
+                                            std::move(both));
 }
 
 }  // namespace igeo

@@ -72,6 +72,21 @@ struct MeetingFronts {
     std::array<Vec2f, kMost> g{};  ///< their directions of travel, in its chart
 };
 
+/// Two fronts at a core node beside a cut locus along which they meet at a small angle
+/// (jet_two_fronts.h). Values are over the weight, relative to the least start.
+struct TwoFronts {
+    struct Front {
+        double u = kInfinity;  ///< +inf: it was not carried on to the node
+        Vec3f g;               ///< direction of travel
+    };
+    NodeIndex node = kNoNode;
+    std::uint32_t locus = 0;  ///< its number: fronts of one locus have one order
+    double key = 0;           ///< nodes with a greater one were solved later
+    std::array<Front, 2> front;
+    double apart = 0;  ///< by how much the first front comes later than the second
+    Vec3f turn;        ///< direction of the first less that of the second
+};
+
 struct CoreJets;
 
 /// The core nodes across which fronts meet, once a march is over (findMeetings). Their jets are
@@ -84,8 +99,13 @@ public:
         MeetingFronts fronts{};
     };
     /// @param list  ascending
-    /// @param near  per core node: whether it is one of these, or linked to one
-    Meetings(const CoreJets& jets, std::vector<Meeting> list, std::vector<std::uint8_t> near);
+    /// @param near  per core node: whether it is one of these, or linked to one; kBoth beside too
+    /// @param both  of the nodes with a mark kBoth, ascending
+    Meetings(const CoreJets& jets, std::vector<Meeting> list, std::vector<std::uint8_t> near,
+             std::vector<TwoFronts> both);
+    /// Both fronts at a node beside a locus along which they meet at a small angle; else null.
+    const TwoFronts* bothAt(NodeIndex k) const;
+    static constexpr std::uint8_t kBoth = 4;
 
     bool near(NodeIndex k) const { return marks_[k]; }
     bool at(NodeIndex k) const { return marks_[k] & kAt; }
@@ -118,6 +138,7 @@ private:
     mutable std::vector<JetState> state_;       ///< per meeting: by the march until it is solved
     mutable std::vector<std::uint8_t> solved_;  ///< per meeting
     mutable std::mutex publishing_;
+    std::vector<TwoFronts> both_;  ///< ascending
 };
 
 /// The jets of a march on the core of a band.

@@ -1,0 +1,340 @@
+#include <igeo/march/detail/jet_two_fronts.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <queue>
+#include <tuple>
+#include <unordered_map>
+#include <unordered_set>
+
+namespace igeo {
+
+namespace {
+
+using Meeting = Meetings::Meeting;
+
+/// A direction of travel at a neighbor in the chart of a point: turned along with the plane.
+Vec2f turnedInto(const TangentFrame& frame, const Vec3f& normal, const Vec3f& g) {
+    const float cosine = dot(frame.normal(), normal);
+    return frame.flat(g) - (dot(g, frame.normal()) / (1 + cosine)) * frame.flat(normal);
+}
+
+double marchedAt(const CoreJets& jets, NodeIndex k) {
+    return (jets.marchedValueOf(k) - jets.seeds.leastStart) / double(jets.core->nodes[k].weight);
+}
+
+}  // namespace
+
+JetNeighbor TwoFrontsFit::marched(const TangentFrame& frame, const Neighbor& n) const {
+    const Vec3f g = jets_.gradientOf(n.node, jets_.state[n.node]);
+    return {n.a, turnedInto(frame, jets_.core->nodes[n.node].normal, g), marchedAt(jets_, n.node)};
+}
+
+bool TwoFrontsFit::layOut(const TangentFrame& frame, std::span<const Neighbor> around,
+                          const Neighbor& from, double before) {
+    constexpr float kOther = 0.7f;  // cosine
+    const auto& nodes = jets_.core->nodes;
+    for (std::size_t f = 0; f < 2; ++f) of_[f].clear(), lead_[f] = {};
+    for (const Neighbor& n : around) {
+        if (!n.both || n.both->locus != from.both->locus) {
+            const double apart = apart_ - double(dot(turn_, n.a));
+            of_[apart < 0 ? 0 : 1].push_back(marched(frame, n));
+            continue;
+        }
+        for (std::size_t f = 0; f < 2; ++f)
+            if (const TwoFronts::Front& front = n.both->front[f]; front.u < kInfinity)
+                of_[f].push_back({n.a, turnedInto(frame, nodes[n.node].normal, front.g), front.u});
+    }
+    for (std::size_t f = 0; f < 2; ++f) {
+        if (const TwoFronts::Front& front = from.both->front[f]; front.u < kInfinity)
+            lead_[f] = turnedInto(frame, nodes[from.node].normal, front.g);
+        else
+            for (const JetNeighbor& n : of_[f]) lead_[f] = lead_[f] + n.g;
+        if (const float l = length(lead_[f]); l > 0) lead_[f] = (1 / l) * lead_[f];
+        for (const JetNeighbor& n : of_[f])
+            if (dot(n.g, lead_[f]) < kOther && dot(n.g, n.a) > 0 && n.u < before) return false;
+    }
+    return true;
+}
+
+void TwoFrontsFit::fit(const TangentFrame& frame, double before, Found& found) {
+    Lanes x{}, y{};
+    lanes_.base = {}, lanes_.count = {}, lanes_.pull = jets_.core->pull();
+    for (std::size_t f = 0; f < 2; ++f) {
+        lanes_.base[f] = float(before), lanes_.count[f] = std::uint32_t(of_[f].size());
+        x[f] = lead_[f].x, y[f] = lead_[f].y;
+        for (std::size_t k = 0; k < of_[f].size(); ++k) {
+            const JetNeighbor& n = of_[f][k];
+            JetLanes::Neighbor& to = lanes_.neighbor[k];
+            to.ax[f] = n.a.x, to.ay[f] = n.a.y, to.gx[f] = n.g.x, to.gy[f] = n.g.y;
+            to.u[f] = float(n.u - before);
+        }
+    }
+    lanes_.pad();
+    fitFronts(lanes_, x, y, fits_);
+    for (std::size_t f = 0; f < 2; ++f) {
+        const std::optional<double> u = valueOf(f, before);
+        if (!u) continue;
+        const Vec2f g{fits_.gx[f], fits_.gy[f]};
+        found.both.front[f] = {*u, frame.lift(g)};
+        if (*u < found.u) found.u = *u, found.g = g;
+    }
+    if (const auto& [a, b] = found.both.front; a.u < kInfinity && b.u < kInfinity)
+        found.both.apart = a.u - b.u, found.both.turn = a.g - b.g;
+}
+
+std::optional<double> TwoFrontsFit::valueOf(std::size_t front, double before) const {
+    constexpr double kSlack = 0.01;  // voxels, above the straight line from a neighbor
+    if (of_[front].size() < 2 || !(fits_.u[front] < float(kInfinity)) ||
+        !(fits_.residual2[front] < jet::kResidual * jet::kResidual))
+        return {};
+    const double u = before + double(fits_.u[front]);
+    for (const JetNeighbor& n : of_[front])
+        if (u > n.u + double(length(n.a)) + kSlack) return {};
+    return u;
+}
+
+std::optional<TwoFrontsFit::Found> TwoFrontsFit::solve(const TangentFrame& frame,
+                                                       std::span<const Neighbor> around,
+                                                       double before) {
+    constexpr double kFallbackError = 0.25;  // voxels
+    const Neighbor* from = nullptr;
+    for (const Neighbor& n : around)
+        if (n.both && (!from || dot(n.a, n.a) < dot(from->a, from->a))) from = &n;
+    if (!from) return {};
+    turn_ = turnedInto(frame, jets_.core->nodes[from->node].normal, from->both->turn);
+    apart_ = from->both->apart + double(dot(turn_, from->a));
+    if (!layOut(frame, around, *from, before)) return {};
+    const float angle = length(turn_), off = float(std::abs(apart_)) / angle;
+    const std::size_t own = apart_ < 0 ? 0 : 1, other = 1 - own;
+    const bool asOne = angle < kLeastAngle;
+    if (asOne) of_[own].insert(of_[own].end(), of_[other].begin(), of_[other].end());
+    if (asOne || off > kWidth) of_[other].clear();
+    if (of_[own].size() > JetLanes::kMax) return {};
+    Found found{
+        {kNoNode, from->both->locus, 0, {}, apart_, frame.lift(turn_)}, kInfinity, {}, angle, off};
+    fit(frame, before, found);
+    if (!(found.both.front[own].u < kInfinity) || std::abs(found.u - before) > kFallbackError)
+        return {};
+    return found;
+}
+
+std::optional<TwoFrontsFit::Found> TwoFrontsFit::begin(const TangentFrame& frame,
+                                                       std::span<const Neighbor> around,
+                                                       double before, const MeetingFronts& fronts) {
+    constexpr float kSame = 0.9f;  // cosine
+    constexpr double kBeside = 1;  // voxels
+    for (std::size_t f = 0; f < 2; ++f) of_[f].clear(), lead_[f] = fronts.g[f];
+    for (const Neighbor& n : around) {
+        const JetNeighbor jet = marched(frame, n);
+        const float first = dot(jet.g, lead_[0]), second = dot(jet.g, lead_[1]);
+        if (std::max(first, second) > kSame) of_[first > second ? 0 : 1].push_back(jet);
+    }
+    Found found{{}, kInfinity, {}, 0, 0};
+    fit(frame, before, found);
+    const auto& [a, b] = found.both.front;
+    if (!(a.u < kInfinity && b.u < kInfinity && std::abs(a.u - b.u) < kBeside)) return {};
+    found.angle = length(found.both.turn);
+    found.off = float(std::abs(found.both.apart)) / found.angle;
+    return found;
+}
+
+namespace {
+
+/// Follows loci through the core.
+class Loci {
+public:
+    Loci(CoreJets& jets, std::vector<Meeting>& meetings, std::vector<std::uint8_t>& near)
+        : jets_(jets), core_(*jets.core), meetings_(meetings), near_(near), fit_(jets) {}
+
+    std::vector<TwoFronts> carry() {
+        // Equal distances, in symmetric places, by voxel: numbers of nodes depend on the leaves.
+        std::vector<std::tuple<double, int, int, int, Meeting*>> narrow;
+        for (Meeting& m : meetings_)
+            if (m.fronts.count == 2 && cosineOf(m) > kNarrow) {
+                const Ijk at = core_.voxelOf(core_.nodes[m.node]);
+                narrow.push_back({marchedAt(jets_, m.node), at.x, at.y, at.z, &m});
+            }
+        std::sort(narrow.begin(), narrow.end());
+        for (const auto& [u, x, y, z, m] : narrow) {
+            if (solved_.contains(m->node)) continue;
+            for (const Meeting& start : wideBehind(*m))
+                if (begin(start)) break;
+            while (!queue_.empty()) solveNext();
+        }
+        std::vector<TwoFronts> all;
+        for (const auto& [k, both] : solved_)
+            if (near_[k] & Meetings::kBoth) all.push_back(both);
+        std::sort(all.begin(), all.end(),
+                  [](const TwoFronts& a, const TwoFronts& b) { return a.node < b.node; });
+        return all;
+    }
+
+private:
+    using Neighbor = TwoFrontsFit::Neighbor;
+    using Queued = std::pair<double, NodeIndex>;
+    // Angles of 25, 36 and 30 degrees.
+    static constexpr float kNarrow = 0.906f, kWide = 0.809f, kBegin = 0.866f;  // cosines
+
+    static float cosineOf(const Meeting& m) { return dot(m.fronts.g[0], m.fronts.g[1]); }
+    Meeting* meetingAt(NodeIndex k) {
+        if (!near_[k]) return nullptr;
+        const auto at = std::lower_bound(meetings_.begin(), meetings_.end(), k,
+                                         [](const Meeting& m, NodeIndex i) { return m.node < i; });
+        return at != meetings_.end() && at->node == k ? &*at : nullptr;
+    }
+
+    /// Meetings along a locus, from the first that is wide on to a narrow one; none if they were
+    /// looked at before.
+    std::vector<Meeting> wideBehind(const Meeting& narrow) {
+        std::vector<Meeting> wide;
+        for (std::optional<Meeting> at = narrow; at;) {
+            if (!seen_.insert(at->node).second) return {};
+            if (cosineOf(*at) < kBegin) wide.push_back(*at);
+            if (cosineOf(*at) < kWide) break;
+            std::optional<Meeting> next = behind(*at, 2);
+            at = next ? next : behind(*at, 1);
+        }
+        std::reverse(wide.begin(), wide.end());
+        return wide;
+    }
+    /// The next one back along the locus.
+    std::optional<Meeting> behind(const Meeting& m, std::uint32_t least) {
+        constexpr int kReach = 3;
+        constexpr float kStraight = 0.7f, kLeast = 0.3f;  // cosine, voxels
+        const JetNode& node = core_.nodes[m.node];
+        const Vec3f ahead =
+            normalized(core_.localFrame(m.node).frame.lift(m.fronts.g[0] + m.fronts.g[1]));
+        std::optional<Meeting> next;
+        float nearest = float(kInfinity);
+        core_.band.forBox(&BandLeaf::core, node.leaf, node.offset, {}, kReach,
+                          [&](NodeIndex j, const Ijk& step) {
+                              const Vec3f chord = node.foot - core_.nodes[j].foot - Vec3f(step);
+                              const float l = length(chord);
+                              if (l < kLeast || l > nearest || dot(chord, ahead) < kStraight * l)
+                                  return;
+                              const Meeting* const other = meetingAt(j);
+                              if (!other || other->fronts.count > 2 || other->fronts.count < least)
+                                  return;
+                              const MeetingFronts fronts = frontsAt(*other);
+                              if (fronts.count == 2) nearest = l, next = Meeting{j, fronts};
+                          });
+        return next;
+    }
+    /// The fronts at a meeting. Where one of them comes a little later, its direction is that at a
+    /// meeting beside.
+    MeetingFronts frontsAt(const Meeting& m) {
+        MeetingFronts fronts = m.fronts;
+        if (fronts.count != 1) return fronts;
+        const JetNode& node = core_.nodes[m.node];
+        const TangentFrame frame = core_.localFrame(m.node).frame;
+        float least = 0.98f;  // cosine
+        core_.band.forBox(
+            &BandLeaf::core, node.leaf, node.offset, {}, 1, [&](NodeIndex j, const Ijk&) {
+                const Meeting* const other = meetingAt(j);
+                if (!other || other->fronts.count == 0) return;
+                const Vec3f& normal = core_.nodes[j].normal;
+                const Vec2f g =
+                    turnedInto(frame, normal, core_.localFrame(j).frame.lift(other->fronts.g[0]));
+                if (const float cosine = dot(g, fronts.g[0]); cosine < least)
+                    least = cosine, fronts.g[1] = g, fronts.count = 2;
+            });
+        return fronts;
+    }
+
+    /// Sets the neighbors of a node.
+    /// @param before  those solved again count up to here
+    /// @return whether S is smooth there
+    bool gather(NodeIndex i, const TangentFrame& frame, double before) {
+        around_.clear();
+        const JetNode& node = core_.nodes[i];
+        if (node.obstacleState != Metric::Clear || node.facing & Band::kStretched) return false;
+        const std::uint32_t label = jets_.labelOf(i);
+        bool smooth = true;
+        forLinks(core_, i, [&](NodeIndex j, const Ijk&, const Vec3f& chord, float cosine) {
+            smooth &= cosine >= JetLink::kSmooth;
+            if (!jets_.accepted(j) || jets_.labelOf(j) != label) return;
+            const auto at = solved_.find(j);
+            const bool counts =
+                at != solved_.end() && at->second.locus == locus_ && at->second.key < before;
+            around_.push_back({j, frame.unfold(chord, core_.nodes[j].normal, cosine),
+                               counts ? &at->second : nullptr});
+        });
+        return smooth;
+    }
+
+    /// Begins a locus at a meeting.
+    bool begin(const Meeting& start) {
+        ++locus_;
+        const TangentFrame frame = core_.localFrame(start.node).frame;
+        const double before = marchedAt(jets_, start.node);
+        if (solved_.contains(start.node) || !gather(start.node, frame, 0)) return false;
+        std::optional<TwoFrontsFit::Found> found = fit_.begin(frame, around_, before, start.fronts);
+        if (found) take(start.node, before, frame, 0, *found);
+        return found.has_value();
+    }
+
+    void solveNext() {
+        const auto [key, i] = queue_.top();
+        queue_.pop();
+        const TangentFrame frame = core_.localFrame(i).frame;
+        if (solved_.contains(i) || !gather(i, frame, key)) return;
+        const double before = marchedAt(jets_, i);
+        std::optional<TwoFrontsFit::Found> found = fit_.solve(frame, around_, before);
+        // Where other fronts meet, rays do better.
+        if (!found || (!found->isBeside() && meetingAt(i))) return;
+        if (found->angle < TwoFrontsFit::kLargestAngle) write(i, *found);
+        take(i, key, frame, std::abs(found->u - before), *found);
+    }
+    void write(NodeIndex i, const TwoFrontsFit::Found& found) {
+        const JetNode& node = core_.nodes[i];
+        JetState& state = jets_.state[i];
+        const double bound = jets_.seeds.lines.from(jets_.labelOf(i), core_.footOf(node)),
+                     u = jets_.seeds.leastStart + double(node.weight) * found.u;
+        state.rest = float(std::max(u, bound) - jets_.buckets.startOf(state.bucket));
+        state.g = found.g;
+        if (Meeting* const meeting = meetingAt(i)) meeting->fronts.count = 0;
+    }
+
+    /// Takes what was found at a node, and queues the nodes that depend on it.
+    /// @param change  of its value
+    void take(NodeIndex i, double key, const TangentFrame& frame, double change,
+              TwoFrontsFit::Found& found) {
+        constexpr double kChange = 0.002;  // voxels
+        TwoFronts& both = found.both;
+        both.node = i, both.locus = locus_, both.key = key;
+        if (found.isBeside()) near_[i] |= Meetings::kBoth;
+        const Vec2f turn = frame.flat(both.turn);
+        for (const Neighbor& n : around_) {
+            if (n.both || solved_.contains(n.node)) continue;
+            const double apart = std::abs(both.apart - double(dot(turn, n.a)));
+            // The later front of a node comes so late.
+            const bool beside =
+                found.isBeside() && apart <= double((TwoFrontsFit::kWidth + 1) * length(turn));
+            const double at = marchedAt(jets_, n.node) + (beside ? apart : 0);
+            if (at > key && (beside || change > kChange)) queue_.push({at, n.node});
+        }
+        solved_.insert({i, both});
+    }
+
+    CoreJets& jets_;
+    const JetCore& core_;
+    std::vector<Meeting>& meetings_;
+    std::vector<std::uint8_t>& near_;
+    TwoFrontsFit fit_;
+    std::uint32_t locus_ = 0;
+    std::unordered_map<NodeIndex, TwoFronts> solved_;
+    std::unordered_set<NodeIndex> seen_;
+    std::priority_queue<Queued, std::vector<Queued>, std::greater<>> queue_;
+    std::vector<Neighbor> around_;
+};
+
+}  // namespace
+
+std::vector<TwoFronts> carryTwoFronts(CoreJets& jets, std::vector<Meeting>& meetings,
+                                      std::vector<std::uint8_t>& near) {
+    return Loci(jets, meetings, near).carry();
+}
+
+}  // namespace igeo
