@@ -483,6 +483,19 @@ class Batch(TempWorkspace):
         (self.folder / "table.csv").write_text(table.format("table.csv"))
         self.refused(manifest, USAGE, "job 'a' writes 'table.csv', which is the table of the jobs")
 
+    def test_locks_take_no_file_away(self):
+        job = {"name": "a", "sdf": "torus.vdb", "seed": "1.4,0,0", "output": "a.vdb"}
+        manifest, is_lock = {"version": 2, "jobs": [job]}, "that is a lock of the batch"
+        for option in ("--log", "--summary"):
+            self.refused(manifest, USAGE, f"{option} ", is_lock, words=(option, "jobs.json.lock"))
+        for lock in ("jobs.json.lock", "jobs.summary.json.lock"):
+            self.refused({"version": 2, "jobs": [{**job, "report": lock}]}, USAGE,
+                         f"job 'a' writes '{lock}', which is a lock of the batch")
+            (self.folder / lock).write_text("of another program\n")
+            self.refused(manifest, USAGE, f"{lock}' is no lock of a batch")
+            self.assertEqual((self.folder / lock).read_text(), "of another program\n")
+            (self.folder / lock).unlink()
+
     def test_shards_cover_all_jobs_once_and_merge_to_the_whole(self):
         self.batch()
         whole, outputs = (self.folder / "jobs.summary.json").read_bytes(), self.outputs()

@@ -11,6 +11,7 @@
 #include <chrono>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -29,6 +30,7 @@
 #include "output/result_checks.h"
 #include "prepared_solver.h"
 #include "process.h"
+#include "usage_error.h"
 
 namespace fs = std::filesystem;
 
@@ -57,6 +59,21 @@ void checkOwnOutputs(const BatchOptions& o, const std::string& summary, const st
     std::vector<std::string> inputs{o.manifest};
     if (!table.empty()) inputs.push_back(table);
     checkOutputFiles(outputs, inputs);
+}
+
+/// Refuses what would be lost with a lock: an output of its name, and a file that is no lock.
+void checkLocks(const BatchFiles& files) {
+    for (const std::string& lock : {files.summaryLock(), files.manifestLock()}) {
+        for (const auto& [option, file] :
+             {std::pair("--summary", files.summary), {"--log", files.log}, {"--view", files.view}})
+            if (file == lock)
+                usageError(fmt::format("{} {}: that is a lock of the batch", option, file),
+                           "give it another name");
+        std::ifstream there(lock);
+        if (std::string word; there >> word && word != "process")
+            usageError("'" + lock + "' is no lock of a batch, which would remove it",
+                       "move it, or give the jobs or --summary another name");
+    }
 }
 
 void tellLeftOut(const std::vector<std::string>& files, const Console& console) {
@@ -309,6 +326,7 @@ int batch(const BatchOptions& options, Console& console, ConsoleProgress& progre
         readManifest(options.manifest, {manifest, summary, files.log, files.view});
     files.table = wholeOrNone(read.table);
     checkOwnOutputs(options, summary, read.table);
+    checkLocks(files);
     tellLeftOut(read.leftOut, console);
     // In the folder of the manifest, jobs name their files as single runs there do, also in
     // reports.
@@ -317,9 +335,9 @@ int batch(const BatchOptions& options, Console& console, ConsoleProgress& progre
         printPlan(planBatch(read.jobs, files, options.shard, progress));
         return kDone;
     }
-    const ProcessLock ofSummary(summary + ".lock");
+    const ProcessLock ofSummary(files.summaryLock());
     refuseOther(ofSummary, "writes the summary '" + summary + "'");
-    const ProcessLock ofJobs(manifest + ".lock", options.shard.begin(), options.shard.end());
+    const ProcessLock ofJobs(files.manifestLock(), options.shard.begin(), options.shard.end());
     refuseOther(ofJobs, "computes jobs of '" + manifest + "' that this one has too");
     const BatchPlan plan = planBatch(read.jobs, files, options.shard, progress);
     return Batch(plan, files, options.verbose, console, progress).run();

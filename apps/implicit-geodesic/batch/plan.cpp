@@ -54,7 +54,9 @@ std::vector<BatchJob> parsedJobs(const std::vector<ManifestJob>& jobs) {
 /// terminal.
 void refuseConflicts(const std::vector<BatchJob>& jobs, const BatchFiles& files) {
     std::map<std::string, std::string> writers{{files.manifest, "is the manifest"},
-                                               {files.summary, "is the summary"}};
+                                               {files.summary, "is the summary"},
+                                               {files.manifestLock(), "is a lock of the batch"},
+                                               {files.summaryLock(), "is a lock of the batch"}};
     if (!files.table.empty()) writers.emplace(files.table, "is the table of the jobs");
     if (!files.view.empty()) writers.emplace(files.view, "is the page of the batch");
     if (!files.log.empty()) writers.emplace(files.log, "is the log");

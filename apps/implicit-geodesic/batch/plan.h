@@ -30,6 +30,10 @@ struct BatchPlan {
 struct BatchFiles {
     std::string manifest, summary;
     std::string table, log, view;  ///< empty: none
+
+    /// The locks of a batch that runs, which it removes.
+    std::string summaryLock() const { return summary + ".lock"; }
+    std::string manifestLock() const { return manifest + ".lock"; }
 };
 
 /// Parses and checks all jobs, and selects those of a shard. File names in the jobs are relative to
