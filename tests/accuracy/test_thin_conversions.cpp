@@ -236,15 +236,17 @@ TEST_CASE("thin parts: exact level sets of ribs, slots, webs, channels and plate
 }
 
 TEST_CASE("thin parts: fronts run along edges in line with the voxels") {
-    // Places where they were late, targets at any distance from edges.
+    // Places where they were late, most of them in line with the voxels; targets at any distance
+    // from edges.
     EdgeErrors errors;
     for (int kind = 0; kind < 5; ++kind)
-        for (const unsigned turn : {60U, 64U, 76U, 80U, 84U, 92U}) {
+        for (const unsigned turn :
+             {60U, 64U, 68U, 76U, 80U, 84U, 88U, 92U, 97U, 140U, 270U, 396U, 427U, 780U}) {
             Random random(100 * unsigned(kind) + turn);
             const ThinPart part = thinProfile(kind, random);
             const double around = part.around();
             const GeodesicSolver solver(
-                Surface(*makeLevelSet(part.shape(), *turned(random, false), 3)));
+                Surface(*makeLevelSet(part.shape(), *turned(random, turn % 4 != 0), 3)));
             for (int k = 0; k < 4; ++k) {
                 const ThinPart::Place seed =
                     part.at(random.between(0, around), random.between(5, 11));
@@ -261,8 +263,8 @@ TEST_CASE("thin parts: fronts run along edges in line with the voxels") {
         }
     errors.print("along edges");
     CHECK(errors.count > 20000);
-    CHECK(errors.low > -0.5);   // measured -0.33
-    CHECK(errors.most < 0.45);  // measured 0.30; 0.94 and 20 before
+    CHECK(errors.low > -0.5);  // measured -0.33
+    CHECK(errors.most < 0.5);  // measured 0.33; 1.28 and 13 before
     CHECK(errors.off == 0);
 }
 

@@ -27,6 +27,17 @@ bool staysNearPsi(const Band& band, const Vec3d& from, const Vec3d& chord, int p
     return true;
 }
 
+double overOneEdge(const Band& band, const Vec3d& from, const Vec3d& to, const Vec3d& n,
+                   const Vec3d& nTo) {
+    constexpr double kSharp = 0.5, kOnFace = 0.15;  // sine of the bend; voxels
+    const double cosine = dot(n, nTo), sine = std::sqrt(std::max(1 - cosine * cosine, 0.0));
+    if (sine < kSharp || cosine < Band::kOtherSheet) return kInfinity;
+    const Vec3d edge = from + toEdgeOf(to - from, n, nTo);
+    const bool onSurface = staysNearPsi(band, from, edge - from, 4, kOnFace) &&
+                           staysNearPsi(band, to, edge - to, 4, kOnFace);
+    return onSurface ? length(edge - from) + length(to - edge) : kInfinity;
+}
+
 bool runsInPlane(const Band& band, const Vec3d& from, const Vec3d& chord, const Vec3d& n) {
     constexpr double kOff = 0.2;  // voxels
     return liesInPlane(band, chord, n) &&

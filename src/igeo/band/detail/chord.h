@@ -11,6 +11,25 @@ namespace igeo {
 /// Whether |psi| is at most `most` at the points that divide a chord into parts.
 bool staysNearPsi(const Band& band, const Vec3d& from, const Vec3d& chord, int parts, double most);
 
+/// From one end of a chord to the edge of the planes at its ends, along the straight line over both
+/// laid flat.
+/// @param n, m  their unit normals, at an angle
+inline Vec3d toEdgeOf(const Vec3d& chord, const Vec3d& n, const Vec3d& m) {
+    const double cosine = dot(n, m), sine = std::sqrt(std::max(1 - cosine * cosine, 0.0));
+    // From both ends to the edge, at right angles to it.
+    const double here = dot(m, chord) / sine, there = dot(n, chord) / sine,
+                 sum = std::abs(here) + std::abs(there);
+    const Vec3d along = (1 / sine) * cross(n, m);
+    const double share = sum > 0 ? std::abs(here) / sum : 0;
+    return (here / sine) * (m - cosine * n) + (share * dot(along, chord)) * along;
+}
+
+/// The length of the straight line from one point to another over the edge of their planes, if S
+/// runs along it: psi is small there. Else +infinity. For level sets.
+/// @param n, nTo  unit normals of the planes
+double overOneEdge(const Band& band, const Vec3d& from, const Vec3d& to, const Vec3d& n,
+                   const Vec3d& nTo);
+
 /// Whether a chord rises over a plane at its ends by more than any arc does that turns by up to 37
 /// degrees: S leads from end to end over a step.
 inline bool isOverStep(const Vec3d& chord, const Vec3d& n, const Vec3d& m) {

@@ -228,7 +228,7 @@ Extension::Found Extension::carryInPlane(const Group& group, std::size_t lane) c
 Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
     // The core around such a node has been reached from its seed, but maybe along another path,
     // around a wall.
-    constexpr double kOtherPath = 1.2, kBlunt = 0.5, kDoubtful = 1.5;  // but kOtherPath: voxels
+    constexpr double kOtherPath = 1.2, kBlunt = 0.5, kDoubtful = 2;  // but kOtherPath: voxels
     const JetSeeds& seeds = jets_.seeds;
     const Vec3d foot = band_.footPoint(i);
     const LocalFrame local = core_.localFrameInBand(i);

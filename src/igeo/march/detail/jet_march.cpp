@@ -464,7 +464,8 @@ IGEO_INLINE JetState JetMarch::stateOf(const Result& s, const Batch& batch) cons
 }
 
 void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
-    constexpr float kDetour = 0.1f;
+    constexpr float kDetour = 0.1f, kLongest2 = 3;  // voxels; of a link, squared
+    const auto isLess = [](const auto& a, const auto& b) { return a.u < b.u; };
     gather(batch, group);
     if (isotropic_)
         group.jets.fill([&](JetLanes& lanes) {
@@ -479,7 +480,10 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
                                            comesSideways(i, *group.rows.of[lane], s))))
             s = group.jets.solveAtRim(lane);
         const JetRows::Row& row = *group.rows.of[lane];
-        if (s.detour > kDetour && mayGoRound(i, row)) s = overTwoLinks(i, row, batch, s);
+        if (s.detour > kDetour && mayGoRound(i, row)) {
+            if (!onMesh_) s = std::min(s, group.jets.solveOverSegments(lane, kLongest2), isLess);
+            s = overTwoLinks(i, row, batch, s);
+        }
         if (onMesh_ && isMisplaced(i, row, s, group.overCrease[lane])) s = solveByWalks(i, row, s);
         if (!isotropic_) s.g = core_.stretch[i].covectorBack(s.g);
         settle(lane, group, {s.u * group.weight[lane], s.g, s.source, s.usedFallback, s.frontsMeet},

@@ -23,6 +23,7 @@ JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, 
     const JetNode& here = core_.nodes[i];
     const TangentFrame frame(here.normal, core_.band.faceted);
     const Ijk voxel = core_.voxelOf(here);
+    const Vec3d foot = core_.footOf(here);
     // A path goes on to a neighbor, so one has to lie lower. All neighbors of a node on the edge
     // itself may be beyond it: it gets a value just above the least of them.
     float least = float(kInfinity);
@@ -34,18 +35,24 @@ JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, 
         if (!(value < s.u) || std::find(seen.begin(), seen.end(), k) != seen.end()) return;
         seen.push_back(k);
         const JetNode& other = core_.nodes[k];
-        const float cosine = dot(here.normal, other.normal);
-        if (cosine < kAlike || other.obstacleState != Metric::Clear) return;
+        if (other.obstacleState != Metric::Clear) return;
         const Vec3f chord = here.foot - other.foot - Vec3f(core_.voxelOf(other) - voxel);
         if (!(value + length(chord) < s.u + kShorter)) return;
+        const float cosine = dot(here.normal, other.normal);
         const Vec2f a = frame.unfold(chord, other.normal, cosine);
-        const bool inPlane = std::abs(dot(other.normal, chord)) < kInPlane;
-        const float len = length(a), line = value + len,
-                    u = inPlane ? std::max(line, least + kAbove) : line;
-        if (!(u > least && u < s.u && len > 0) ||
-            !staysNearPsi(core_.band, core_.footOf(here), -Vec3d(chord), 3, kOff))
+        float u;
+        if (cosine < kAlike) {
+            u = value + float(overOneEdge(core_.band, foot - Vec3d(chord), foot,
+                                          Vec3d(other.normal), Vec3d(here.normal)));
+        } else {
+            const bool inPlane = std::abs(dot(other.normal, chord)) < kInPlane;
+            u = value + length(a);
+            if (inPlane) u = std::max(u, least + kAbove);
+        }
+        if (!(u > least && u < s.u && length(a) > 0) ||
+            (cosine >= kAlike && !staysNearPsi(core_.band, foot, -Vec3d(chord), 3, kOff)))
             return;
-        s.u = u, s.g = (1 / len) * a, s.source = jets_.labelOf(k);
+        s.u = u, s.g = (1 / length(a)) * a, s.source = jets_.labelOf(k);
     };
     for (std::size_t k = 0; k < row.knownCount; ++k) forAccepted(row.knownLink(k).node(), lower);
     return s;

@@ -54,26 +54,6 @@ bool jetByWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k, cons
     return true;
 }
 
-/// The length of the straight line from one point to another over the edge of their planes, if S
-/// runs along it: psi is small there. Else +infinity.
-/// @param n, nTo  unit normals of the planes
-double overOneEdge(const Band& band, const Vec3d& from, const Vec3d& to, const Vec3d& n,
-                   const Vec3d& nTo) {
-    constexpr double kSharp = 0.5, kOnFace = 0.15;  // sine of the bend; voxels
-    const double cosine = dot(n, nTo), sine = std::sqrt(std::max(1 - cosine * cosine, 0.0));
-    if (sine < kSharp || cosine < Band::kOtherSheet) return kInfinity;
-    const Vec3d chord = to - from, along = (1 / sine) * cross(n, nTo);
-    // From both ends to the edge, at right angles to it.
-    const double here = dot(nTo, chord) / sine, there = dot(n, chord) / sine,
-                 sum = std::abs(here) + std::abs(there);
-    if (!(sum > 0)) return kInfinity;
-    const Vec3d edge = from + (here / sine) * (nTo - cosine * n) +
-                       (std::abs(here) / sum * dot(along, chord)) * along;
-    const bool onSurface = staysNearPsi(band, from, edge - from, 4, kOnFace) &&
-                           staysNearPsi(band, to, edge - to, 4, kOnFace);
-    return onSurface ? length(edge - from) + length(to - edge) : kInfinity;
-}
-
 /// A node to which a walk may lead from a seed.
 struct OverWalk {
     NodeIndex node;

@@ -121,6 +121,13 @@ JetGroup::Solution JetGroup::solveAtRim(std::size_t lane) {
     return solutions[lane];
 }
 
+JetGroup::Solution JetGroup::solveOverSegments(std::size_t lane, float longest2) {
+    nodes_[lane].longest2 = longest2;
+    Solutions solutions;
+    solveDoubtful(Fits(lanes_), 1u << lane, solutions);
+    return solutions[lane];
+}
+
 JetGroup::BestFit JetGroup::bestFit(std::size_t lane, const Fits& fits) const {
     const Node& node = nodes_[lane];
     BestFit fit;

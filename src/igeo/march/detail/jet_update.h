@@ -91,6 +91,8 @@ public:
     /// around: an obstacle, the end of S, or a corner at which creases meet. A fit to neighbors on
     /// one side of the ray would go straight on into the shadow, so the fallback counts instead.
     Solution solveAtRim(std::size_t lane);
+    /// The same for one node, with segments of the fallback up to a longer squared length.
+    Solution solveOverSegments(std::size_t lane, float longest2);
 
 private:
     struct Node {

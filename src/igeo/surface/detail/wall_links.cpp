@@ -106,17 +106,24 @@ bool runsThroughWall(const PsiAround& psi, const Chord& chord, float& offFrom) {
 }
 
 /// Whether a chord over a crease leaves S although it lies in the plane of one end: the normal
-/// there mixes two faces, and the chord cuts the corner before them.
+/// there mixes two faces, and the chord cuts the corner before them. Where S follows the straight
+/// line over both planes, these are faces.
 bool cutsCorner(const Band& band, const PsiAround& psi, const Chord& chord) {
-    constexpr double kLong = 1.5, kOffPlane = 0.2, kOff = 0.2;  // voxels
+    constexpr double kLong = 1.5, kOffPlane = 0.2, kOff = 0.2, kOnFace = 0.15;  // voxels
     if (!(length(chord.along) > kLong) ||
         dot(chord.a, chord.b) > double(TangentFrame::creaseCosine(false)) ||
         !(liesInPlane(band, chord.along, chord.a, kOffPlane) ||
           liesInPlane(band, chord.along, chord.b, kOffPlane)))
         return false;
-    for (int k = 1; k < 4; ++k)
-        if (std::abs(psi.at(chord.from + k / 4.0 * chord.along)) > kOff) return true;
-    return false;
+    const auto leaves = [&](const Vec3d& from, const Vec3d& along, double most) {
+        for (int k = 1; k < 4; ++k)
+            if (!(std::abs(psi.at(from + k / 4.0 * along)) <= most)) return true;
+        return false;
+    };
+    if (!leaves(chord.from, chord.along, kOff)) return false;
+    const Vec3d toEdge = toEdgeOf(chord.along, chord.a, chord.b);
+    return leaves(chord.from, toEdge, kOnFace) ||
+           leaves(chord.from + toEdge, chord.along - toEdge, kOnFace);
 }
 
 /// Per node the sides of S on which sheets meet there or at a neighbor (sideOf).
