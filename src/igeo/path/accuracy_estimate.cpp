@@ -4,6 +4,7 @@
 #include <igeo/path/curve_normals.h>
 #include <igeo/path/detail/curve_on_triangles.h>
 #include <igeo/path/detail/point_stretch.h>
+#include <igeo/path/detail/sharp_bends.h>
 #include <igeo/path/straighten.h>
 
 #include <algorithm>
@@ -14,23 +15,27 @@ namespace igeo {
 
 namespace {
 
-/// The corner nearest to a point on S, of the triangle that it lies on.
-Vec3d cornerNear(const SurfaceTriangles& triangles, const Vec3d& p) {
-    const std::uint32_t t = triangles.nearest(p).triangle;
-    Vec3d best = triangles.corner(t, 0);
-    for (unsigned k = 1; k < 3; ++k)
-        if (const Vec3d c = triangles.corner(t, k); length(c - p) < length(best - p)) best = c;
+/// A point of a mesh that is no foot point, near one that is: the nearest corner of its triangle,
+/// or where that is more than three voxels away, the point nearest to the middle between voxels.
+Vec3d besideFoot(const SurfaceTriangles& triangles, const Vec3d& foot) {
+    const std::uint32_t t = triangles.nearest(foot).triangle;
+    Vec3d best = foot + Vec3d{0.5, 0.5, 0.5};
+    double least = 3;
+    for (unsigned k = 0; k < 3; ++k)
+        if (const Vec3d c = triangles.corner(t, k); length(c - foot) < least)
+            best = c, least = length(c - foot);
     return best;
 }
 
-/// The mean, in which no value counts more than all but an eighth, unless half their number times
-/// the median is more: a few that are far off add little. Where most are zero, as those on the face
-/// of the seed, the others count.
+/// The mean, in which no value counts more than the third largest, unless half their number times
+/// the median is more: one or two that are far off add little. Where most are zero, as those on the
+/// face of the seed, the others count.
 double steadyMean(std::vector<double> values) {
     if (values.empty()) return 0;
     std::sort(values.begin(), values.end());
     const std::size_t n = values.size();
-    const double most = std::max(values[n - 1 - n / 8], double(n) / 2 * values[n / 2]);
+    const double most =
+        std::max(values[n - std::min<std::size_t>(n, 3)], double(n) / 2 * values[n / 2]);
     double sum = 0;
     for (const double x : values) sum += std::min(x, most);
     return sum / double(values.size());
@@ -81,10 +86,12 @@ struct Bending {
 };
 
 /// @param path  with normals
-Bending bendingOf(const Path& path, const Rounding& rounding) {
+/// @param sharp  its bends that do not count
+Bending bendingOf(const Path& path, const Rounding& rounding, const std::vector<SharpBend>& sharp) {
     const std::vector<PathVertex>& v = path.vertices;
     std::vector<Vec3d> turn(v.size());
     Bending bending;
+    auto next = sharp.begin();
     for (std::size_t k = 1, before = 1; k < v.size(); ++k) {
         const Vec3d step = v[k].pIndex - v[k - 1].pIndex;
         const double squared = dot(step, step), len = std::sqrt(squared);
@@ -92,7 +99,10 @@ Bending bendingOf(const Path& path, const Rounding& rounding) {
         const Vec3d change = v[k].normal - v[k - 1].normal;
         const double bend = dot(change, step) / squared;
         bending.square += bend * bend * len;
-        turn[k] = (1 / std::max(len, length(change) / rounding.sharpest)) * change;
+        while (next != sharp.end() && next->last < k) ++next;
+        turn[k] = next != sharp.end() && next->first < k
+                      ? turn[k - 1]
+                      : (1 / std::max(len, length(change) / rounding.sharpest)) * change;
         while (v[k].arcLength - v[before].arcLength > rounding.apart) ++before;
         if (before == 1) continue;
         const Vec3d other = turn[k] - turn[before];
@@ -115,8 +125,10 @@ void addErrorsOfSurface(const Band& band, Path straight, const FitError& fit, Sa
     const double meanOfDeviation = std::sqrt(2 / std::numbers::pi);  // of a normal distribution
     addNormals(band, straight);
     const Rounding rounding = roundingBy(fit);
-    const Bending bending = bendingOf(straight, rounding);
+    const std::vector<SharpBend> sharp = sharpBends(band, straight);
+    const Bending bending = bendingOf(straight, rounding, sharp);
     const double len = straight.length;
+    sample.difference -= lengthOver(straight, sharp) / len - 1;
     sample.rounded =
         rounding.perBend * std::max(0.0, bending.uneven - rounding.byScatter * len) / len;
     sample.rounded = std::max(sample.rounded, lackingOfFacets(fit, bending.square / len));
@@ -182,7 +194,7 @@ AccuracyEstimate estimateAccuracy(const Field& field, const FitError& fit, Progr
     parallelFor(samples, 1, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             Vec3d p = band.footPoint(nodes[k]);
-            if (band.triangles && k % 2 == 1) p = cornerNear(*band.triangles, p);
+            if (band.triangles && k % 2 == 1) p = besideFoot(*band.triangles, p);
             const Path path = tracePath(field, nearestSurfacePoint(band, p), trace);
             if (path.status != PathStatus::Reached || path.distance < near) continue;
             const Path straight = straightened(field, path, progress);

@@ -13,7 +13,7 @@ namespace igeo {
 struct AccuracyEstimate {
     std::size_t samples = 0;  ///< points at which the distance was compared with a geodesic
     /// Mean of |d - length| / d, in which no sample counts more than samples / 2 times the median
-    /// or than all but an eighth: a single one that is far off changes it little.
+    /// or than the third largest: one or two that are far off change it little.
     double meanError = 0;
     double largestError = 0;  ///< maximum of |d - length| / d
     /// Share of the solved nodes that took the first-order fallback (jet)
@@ -22,11 +22,13 @@ struct AccuracyEstimate {
 
 /// Traces geodesics from the foot points of nodes spread over the surface, straightens them, and
 /// compares their lengths with the distances. On a mesh every second one starts from the vertex
-/// nearest to such a point, where errors are largest. There are 64 over triangles, where lengths
-/// are exact and take little time, and errors differ much from point to point; 16 elsewhere. The
-/// lengths have the small error of straighten(); where the distances are more accurate than that,
-/// the estimate is too high. Both lack what S lacks of the true surface, so that is added; where
-/// the distance is longer than the length and lacks less of it, the larger counts:
+/// nearest to such a point, or where triangles are large from a point between voxels: errors are
+/// larger there. Lengths over sharp edges are those over both sheets, where voxels show these.
+/// There are 64 over triangles, where lengths are exact and take little time, and errors differ
+/// much from point to point; 16 elsewhere. The lengths have the small error of straighten(); where
+/// the distances are more accurate than that, the estimate is too high. Both lack what S lacks of
+/// the true surface, so that is added; where the distance is longer than the length and lacks less
+/// of it, the larger counts:
 ///  - Edges that voxels round off, or fits to points, as S shows them; or, where that is more, what
 ///    points show of shape that S lacks: beside the geodesics they are farther apart than their
 ///    foot points (stretchShown), or scatter that may be facets about as wide as their spacing.
