@@ -1,5 +1,7 @@
-"""Meshes that cross themselves: two spindle tori, two tori, a tube over itself, three tubes. Distances
-between vertices and lengths of paths against the exact distances on the triangles (igeo_peer)."""
+"""Meshes that cross themselves: two spindle tori, two tori, a tube over itself, a tube that runs around
+twice, three tubes. Distances between vertices and lengths of paths against the exact distances on the
+triangles (igeo_peer). And vertices behind the neck of a spindle torus, and points between vertices on
+the rims of slits."""
 import json
 import math
 import os
@@ -19,6 +21,7 @@ SHAPES = {
     "narrow spindle torus": (0.23, 0.042),   # 0.151, 0.028
     "two tori": (0.047, 0.032),              # 0.031, 0.021
     "tube over itself": (0.078, 0.086),      # 0.052, 0.057
+    "tube around twice": (0.37, 0.36),       # 0.242, 0.235; with fits to one side: 0.706, 0.711
     "three tubes": (0.012, 0.012),           # 0.008, 0.008
 }
 
@@ -82,6 +85,13 @@ def circle(radius, middle=(0, 0, 0), x=0, y=1):
     return at
 
 
+def twice(t):
+    """Twice around, 0 to 4 voxels beside the other turn."""
+    a = 2 * math.pi * t
+    r = 1 + 0.01 * math.cos(a)
+    return [r * math.cos(2 * a), r * math.sin(2 * a), 0.01 * math.sin(a)]
+
+
 def line(k):
     a = 2 * math.pi * k / 3
     return lambda t: [math.cos(a) * (2 * t - 1), math.sin(a) * (2 * t - 1), 0.05 * k]
@@ -98,7 +108,37 @@ def shape(name):
     if name == "tube over itself":
         return tube(lambda t: [1.2 * math.sin(2 * math.pi * t), 0.5 * math.sin(4 * math.pi * t),
                                0.02 * math.cos(2 * math.pi * t)], 160, 24, 0.2)
+    if name == "tube around twice":
+        return tube(twice, 240, 24, 0.25)
     return joined(*[tube(line(k), 40, 20, 0.2, closed=False) for k in range(3)])
+
+
+def slit_sheet(rng, columns=48, rows=24, width=1e-5):
+    """A sheet with a slit that bends at every vertex, and points on both rims between vertices."""
+    middle, first, last = rows // 2, 9, 39
+    vertices, triangles, points, upper = [], [], [], {}
+    for i in range(columns + 1):
+        bend = rng.uniform(-0.4, 0.4) if first <= i <= last else 0
+        for j in range(rows + 1):
+            y = j + bend * (1 - abs(j - middle) / middle)
+            vertices.append([i / columns, y / columns, 0.03 * math.sin(6 * i / columns)])
+    for i in range(first + 1, last):
+        upper[i] = len(vertices)
+        x, y, z = vertices[i * (rows + 1) + middle]
+        vertices.append([x, y + width, z])
+    for i in range(columns):
+        for j in range(rows):
+            def corner(a, b):
+                return upper[a] if b == j == middle and a in upper else a * (rows + 1) + b
+            a, b, c, d = corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)
+            triangles += [(a, b, c), (a, c, d)]
+            if not first <= i < last or j not in (middle - 1, middle):
+                continue
+            p, q, inside = (a, b, c) if j == middle else (c, d, a)
+            for t in (0.3, 0.7):
+                parts = ((p, 0.98 * (1 - t)), (q, 0.98 * t), (inside, 0.02))
+                points.append([sum(w * vertices[v][k] for v, w in parts) for k in range(3)])
+    return vertices, triangles, points
 
 
 def turned(vertices, rng):
@@ -127,6 +167,45 @@ def errors(folder, vertices, triangles, rng):
     return found
 
 
+def off(folder, vertices, triangles, seed, targets, resolution):
+    """Errors of distances in voxels."""
+    mesh, file, matrix = (os.path.join(folder, f) for f in ("mesh.obj", "targets.csv", "matrix.json"))
+    write_mesh(mesh, vertices, triangles)
+    write_points(file, targets)
+    run(PROGRAM, mesh, "--resolution", resolution, "--seed", words(seed), "--targets", file, "--matrix",
+        matrix)
+    voxel = max(max(v[k] for v in vertices) - min(v[k] for v in vertices)
+                for k in range(3)) / resolution
+    found = json.load(open(matrix))["distance"][0]
+    return [(d - e) / voxel for d, e in zip(found, exact_distances(mesh, seed, targets), strict=True)]
+
+
+def is_within(name, errors, mean, most):
+    measured = sum(map(abs, errors)) / len(errors), max(map(abs, errors))
+    print("%s: %d distances, off by %.4f voxels, %.4f at most" % (name, len(errors), *measured))
+    if measured[0] < mean and measured[1] < most:
+        return True
+    print("  allowed are %g and %g" % (mean, most))
+    return False
+
+
+def behind_neck(folder):
+    vertices, triangles = shape("narrow spindle torus")
+    vertices = turned(vertices, random.Random(0))
+    return off(folder, vertices, triangles, vertices[894],
+               [vertices[44 * k + 29] for k in range(50, 70)], RESOLUTION)
+
+
+def at_slits(folder):
+    rng, errors = random.Random(2), []
+    for _ in range(3):
+        vertices, triangles, points = slit_sheet(rng)
+        rows, offset = turn(rng), [rng.random() for _ in range(3)]
+        vertices, points = ([moved(p, rows, offset) for p in all] for all in (vertices, points))
+        errors += off(folder, vertices, triangles, rng.choice(vertices), points, 160)
+    return errors
+
+
 def main():
     if not os.path.exists(PEER):
         print("skipped: igeo_peer, which has exact distances, is not built (-DIGEO_PEERS=ON)")
@@ -147,6 +226,14 @@ def main():
         if abs(off[0]) > most or over[1] > longest:
             print("  allowed are %g and %g" % (most, longest))
             failed = 1
+    with tempfile.TemporaryDirectory() as folder:
+        # Mean and largest error, voxels, 1.5 times what was measured. Before: 0.109 and 0.571 with a
+        # fit in a chart that holds no folds; 0.029 and 0.627 read from nodes within three voxels.
+        for name, errors_of, mean, most in (
+                ("behind a neck", behind_neck, 0.0023, 0.0035),  # 0.0015, 0.0023
+                ("rims of slits", at_slits, 0.029, 0.27)):       # 0.0195, 0.177
+            if not is_within(name, errors_of(folder), mean, most):
+                failed = 1
     return failed
 
 

@@ -228,7 +228,7 @@ JetNeighbor JetMarch::inStretchedChart(NodeIndex i, const JetLink& link) const {
 bool JetMarch::mayGoRound(NodeIndex i, const JetRows::Row& row) const {
     if (!isotropic_ || core_.costsVary || core_.nodes[i].obstacleState != Metric::Clear)
         return false;
-    if (onMesh_) return knowsCrease(row) || isAtRim(i);
+    if (onMesh_) return knowsCrease(row) || isAtRim(i) || sharesVoxels(i);
     return core_.band.foot.empty() && knowsCrease(row);
 }
 
@@ -325,15 +325,22 @@ bool JetMarch::comesSideways(NodeIndex i, const JetRows::Row& row,
                              const JetGroup::Solution& s) const {
     constexpr float kBehind = 0.9f;                        // cosine: within 26 degrees
     constexpr float kSameWay = 0.9f, kStraight = 0.9998f;  // cosines: 26 degrees, one degree
-    if (isotropic_) return false;
+    if (isotropic_ && !sharesVoxels(i)) return false;
     // Along a rim that bends a fit would cut the bend a little with every step.
-    const bool atRim = core_.rims.isBesideOpen(core_, i);
+    const bool atRim = !isotropic_ && core_.rims.isBesideOpen(core_, i);
     for (std::size_t k = 0; k < row.knownCount; ++k) {
-        const JetNeighbor n = inStretchedChart(i, row.knownLink(k));
+        const JetLink& link = row.knownLink(k);
+        const JetNeighbor n = isotropic_
+                                  ? JetNeighbor{link.a(), link.turned(jets_.state[link.node()].g)}
+                                  : inStretchedChart(i, link);
         if (!atRim && dot(n.g, s.g) >= jet::kSameFront && dot(n.a, s.g) > kBehind * length(n.a))
             return false;
     }
-    return !isConfirmedBehind(i, s, atRim ? kStraight : kSameWay);
+    return isotropic_ || !isConfirmedBehind(i, s, atRim ? kStraight : kSameWay);
+}
+
+bool JetMarch::sharesVoxels(NodeIndex i) const {
+    return onMesh_ && isotropic_ && core_.nodes[i].facing & Band::kSevered;
 }
 
 bool JetMarch::isFolded(NodeIndex i) const {
@@ -476,8 +483,10 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
     for (std::size_t lane = 0; lane < group.size; ++lane) {
         const NodeIndex i = group.node[lane];
         JetGroup::Solution& s = solutions[lane];
-        if (isFolded(i) || (s.oneSided && (isInShadow(*group.rows.of[lane], s) || isAtRim(i) ||
-                                           comesSideways(i, *group.rows.of[lane], s))))
+        if (isFolded(i))
+            s = group.jets.solveAtFold(lane);
+        else if (s.oneSided && (isInShadow(*group.rows.of[lane], s) || isAtRim(i) ||
+                                comesSideways(i, *group.rows.of[lane], s)))
             s = group.jets.solveAtRim(lane);
         const JetRows::Row& row = *group.rows.of[lane];
         if (s.detour > kDetour && mayGoRound(i, row)) {

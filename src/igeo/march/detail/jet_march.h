@@ -188,8 +188,11 @@ private:
     /// Whether a fit of a front with tensors lets it reach a node from the side: no neighbor is
     /// straight behind the node, or the node is at a rim, and no node further back confirms the
     /// fit. Behind a corner, where the front is not, a fit would carry it on: across the cheap axis
-    /// neighbors are far apart.
+    /// neighbors are far apart. The same, without that node further back, where sheets of a mesh
+    /// share voxels: there neighbors straight behind may be missing.
     bool comesSideways(NodeIndex i, const JetRows::Row& row, const JetGroup::Solution& s) const;
+    /// Whether a node of a mesh lacks links to voxels beside it, which lie on other sheets.
+    bool sharesVoxels(NodeIndex i) const;
     /// Whether S goes on straight behind a node, to a node that belongs to the front and does not
     /// carry a later value.
     /// @param sameWay  cosine of the largest angle between the directions of both

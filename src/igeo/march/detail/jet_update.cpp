@@ -116,13 +116,20 @@ void JetGroup::solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solut
 
 JetGroup::Solution JetGroup::solveAtRim(std::size_t lane) {
     nodes_[lane].rim = true;
-    Solutions solutions;
-    solveDoubtful(Fits(lanes_), 1u << lane, solutions);
-    return solutions[lane];
+    return solveAgain(lane);
 }
 
 JetGroup::Solution JetGroup::solveOverSegments(std::size_t lane, float longest2) {
     nodes_[lane].longest2 = longest2;
+    return solveAgain(lane);
+}
+
+JetGroup::Solution JetGroup::solveAtFold(std::size_t lane) {
+    nodes_[lane].smooth = false;
+    return solveAgain(lane);
+}
+
+JetGroup::Solution JetGroup::solveAgain(std::size_t lane) const {
     Solutions solutions;
     solveDoubtful(Fits(lanes_), 1u << lane, solutions);
     return solutions[lane];

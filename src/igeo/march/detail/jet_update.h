@@ -93,6 +93,9 @@ public:
     Solution solveAtRim(std::size_t lane);
     /// The same for one node, with segments of the fallback up to a longer squared length.
     Solution solveOverSegments(std::size_t lane, float longest2);
+    /// The same for one node beside folds, whose normals do not show all creases: a fit counts only
+    /// where the fallback agrees.
+    Solution solveAtFold(std::size_t lane);
 
 private:
     struct Node {
@@ -101,6 +104,7 @@ private:
     };
     struct Fits;
     struct BestFit;
+    Solution solveAgain(std::size_t lane) const;
     /// @param doubts  bits: the nodes to solve
     void solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solutions) const;
     /// What the fits of a node come to.
