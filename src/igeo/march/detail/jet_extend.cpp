@@ -378,20 +378,23 @@ void Extension::solveDoubtful(Doubtful::Some& some, Group& group) const {
 
 std::optional<Extension::Found> Extension::byTwoFronts(const Doubtful::Node& node,
                                                        double before) const {
+    constexpr float kBoth = 2;  // voxels from the locus: farther on there is one front
     const Around& around = node.around;
-    if (!jets_.meetings || !metric_.clear(node.at.node) || around.overCrease()) return {};
+    const auto end = around.node.begin() + around.count;
+    if (!jets_.meetings || std::none_of(around.node.begin(), end, [&](const Around::Node& n) {
+            return jets_.meetings->bothAt(n.core);
+        }))
+        return {};
+    if (!metric_.clear(node.at.node) || around.overCrease()) return {};
     std::array<TwoFrontsFit::Neighbor, JetNeighbors::kMax> neighbors;
-    bool beside = false;
     for (std::size_t k = 0; k < around.count; ++k) {
         const Around::Node& n = around.node[k];
         if (n.source != around.node[0].source) return {};
         neighbors[k] = {n.core, n.jet.a, jets_.meetings->bothAt(n.core)};
-        beside |= neighbors[k].both != nullptr;
     }
-    if (!beside) return {};
-    const auto found =
-        TwoFrontsFit(jets_).solve(node.local.frame, {neighbors.data(), around.count}, before);
-    if (!found || !found->isBeside() || found->angle > TwoFrontsFit::kLargestAngle) return {};
+    const auto found = TwoFrontsFit(jets_).solve(node.local.frame, {neighbors.data(), around.count},
+                                                 before, kBoth, TwoFrontsFit::kLargestAngle);
+    if (!found || !found->isBeside()) return {};
     return fromChart(found->u, found->g, around.node[0].source, node.local);
 }
 

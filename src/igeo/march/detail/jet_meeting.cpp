@@ -215,10 +215,9 @@ Meetings::Meetings(const CoreJets& jets, std::vector<Meeting> list, std::vector<
     }
 }
 
-const TwoFronts* Meetings::bothAt(NodeIndex k) const {
-    if (!(marks_[k] & kBoth)) return nullptr;
-    return &*std::lower_bound(both_.begin(), both_.end(), k,
-                              [](const TwoFronts& b, NodeIndex i) { return b.node < i; });
+const TwoFronts& Meetings::bothOf(NodeIndex k) const {
+    return *std::lower_bound(both_.begin(), both_.end(), k,
+                             [](const TwoFronts& b, NodeIndex i) { return b.node < i; });
 }
 
 std::size_t Meetings::indexOf(NodeIndex k) const {

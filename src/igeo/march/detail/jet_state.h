@@ -104,7 +104,7 @@ public:
     Meetings(const CoreJets& jets, std::vector<Meeting> list, std::vector<std::uint8_t> near,
              std::vector<TwoFronts> both);
     /// Both fronts at a node beside a locus along which they meet at a small angle; else null.
-    const TwoFronts* bothAt(NodeIndex k) const;
+    const TwoFronts* bothAt(NodeIndex k) const { return marks_[k] & kBoth ? &bothOf(k) : nullptr; }
     static constexpr std::uint8_t kBoth = 4;
 
     bool near(NodeIndex k) const { return marks_[k]; }
@@ -126,6 +126,7 @@ public:
 private:
     static constexpr std::uint8_t kAt = 2;
     std::size_t indexOf(NodeIndex k) const;
+    const TwoFronts& bothOf(NodeIndex k) const;
     bool isSolved(std::size_t m) const {
         return std::atomic_ref(solved_[m]).load(std::memory_order_acquire);
     }

@@ -97,7 +97,8 @@ std::optional<double> TwoFrontsFit::valueOf(std::size_t front, double before) co
 
 std::optional<TwoFrontsFit::Found> TwoFrontsFit::solve(const TangentFrame& frame,
                                                        std::span<const Neighbor> around,
-                                                       double before) {
+                                                       double before, float mostOff,
+                                                       float mostAngle) {
     constexpr double kFallbackError = 0.25;  // voxels
     const Neighbor* from = nullptr;
     for (const Neighbor& n : around)
@@ -105,8 +106,8 @@ std::optional<TwoFrontsFit::Found> TwoFrontsFit::solve(const TangentFrame& frame
     if (!from) return {};
     turn_ = turnedInto(frame, jets_.core->nodes[from->node].normal, from->both->turn);
     apart_ = from->both->apart + double(dot(turn_, from->a));
-    if (!layOut(frame, around, *from, before)) return {};
     const float angle = length(turn_), off = float(std::abs(apart_)) / angle;
+    if (off > mostOff || angle > mostAngle || !layOut(frame, around, *from, before)) return {};
     const std::size_t own = apart_ < 0 ? 0 : 1, other = 1 - own;
     const bool asOne = angle < kLeastAngle;
     if (asOne) of_[own].insert(of_[own].end(), of_[other].begin(), of_[other].end());
@@ -174,8 +175,10 @@ public:
 private:
     using Neighbor = TwoFrontsFit::Neighbor;
     using Queued = std::pair<double, NodeIndex>;
-    // Angles of 25, 36 and 30 degrees.
-    static constexpr float kNarrow = 0.906f, kWide = 0.809f, kBegin = 0.866f;  // cosines
+    // Angles of 20, 36 and 30 degrees.
+    static constexpr float kNarrow = 0.94f, kWide = 0.809f, kBegin = 0.866f;  // cosines
+
+    static constexpr float kMostAtBegin = 1.2f, kGrowth = 0.15f;  // radians
 
     static float cosineOf(const Meeting& m) { return dot(m.fronts.g[0], m.fronts.g[1]); }
     Meeting* meetingAt(NodeIndex k) {
@@ -193,34 +196,43 @@ private:
             if (!seen_.insert(at->node).second) return {};
             if (cosineOf(*at) < kBegin) wide.push_back(*at);
             if (cosineOf(*at) < kWide) break;
-            std::optional<Meeting> next = behind(*at, 2);
-            at = next ? next : behind(*at, 1);
+            at = behind(*at);
         }
         std::reverse(wide.begin(), wide.end());
         return wide;
     }
-    /// The next one back along the locus.
-    std::optional<Meeting> behind(const Meeting& m, std::uint32_t least) {
-        constexpr int kReach = 3;
-        constexpr float kStraight = 0.7f, kLeast = 0.3f;  // cosine, voxels
+    /// The next one back along the locus, within some three voxels: the nearest at which both
+    /// fronts were found, or else can be.
+    std::optional<Meeting> behind(const Meeting& m) {
+        constexpr float kStraight = 0.7f, kLeast = 0.3f, kFar = 2.2f;  // cosine, voxels
         const JetNode& node = core_.nodes[m.node];
-        const Vec3f ahead =
-            normalized(core_.localFrame(m.node).frame.lift(m.fronts.g[0] + m.fronts.g[1]));
-        std::optional<Meeting> next;
-        float nearest = float(kInfinity);
-        core_.band.forBox(&BandLeaf::core, node.leaf, node.offset, {}, kReach,
-                          [&](NodeIndex j, const Ijk& step) {
-                              const Vec3f chord = node.foot - core_.nodes[j].foot - Vec3f(step);
-                              const float l = length(chord);
-                              if (l < kLeast || l > nearest || dot(chord, ahead) < kStraight * l)
-                                  return;
-                              const Meeting* const other = meetingAt(j);
-                              if (!other || other->fronts.count > 2 || other->fronts.count < least)
-                                  return;
-                              const MeetingFronts fronts = frontsAt(*other);
-                              if (fronts.count == 2) nearest = l, next = Meeting{j, fronts};
-                          });
-        return next;
+        const Vec3f back = normalized(
+            core_.localFrame(m.node).frame.lift(-1.0f * (m.fronts.g[0] + m.fronts.g[1])));
+        struct {
+            float off = float(kInfinity);
+            const Meeting* meeting = nullptr;
+        } nearest[2];
+        const auto lookAt = [&](NodeIndex j, const Ijk& step) {
+            if (!near_[j]) return;
+            const Vec3f to = core_.nodes[j].foot + Vec3f(step) - node.foot;
+            const float l = length(to);
+            if (l < kLeast || dot(to, back) < kStraight * l) return;
+            const Meeting* const other = meetingAt(j);
+            if (!other || other->fronts.count - 1 > 1) return;
+            if (auto& of = nearest[other->fronts.count - 1]; l < of.off) of = {l, other};
+        };
+        core_.band.forNeighbors(&BandLeaf::core, node.leaf, node.offset,
+                                [&](NodeIndex j, int dx, int dy, int dz) {
+                                    lookAt(j, {dx, dy, dz});
+                                });
+        if (!nearest[1].meeting)
+            core_.band.forBox(&BandLeaf::core, node.leaf, node.offset,
+                              roundToIjk(Vec3d(kFar * back)), 1, lookAt);
+        if (nearest[1].meeting) return *nearest[1].meeting;
+        if (!nearest[0].meeting) return {};
+        const MeetingFronts fronts = frontsAt(*nearest[0].meeting);
+        if (fronts.count != 2) return {};
+        return Meeting{nearest[0].meeting->node, fronts};
     }
     /// The fronts at a meeting. Where one of them comes a little later, its direction is that at a
     /// meeting beside.
@@ -228,15 +240,16 @@ private:
         MeetingFronts fronts = m.fronts;
         if (fronts.count != 1) return fronts;
         const JetNode& node = core_.nodes[m.node];
-        const TangentFrame frame = core_.localFrame(m.node).frame;
+        const bool faceted = core_.band.faceted;
+        const TangentFrame frame(node.normal, faceted);
         float least = 0.98f;  // cosine
-        core_.band.forBox(
-            &BandLeaf::core, node.leaf, node.offset, {}, 1, [&](NodeIndex j, const Ijk&) {
+        core_.band.forNeighbors(
+            &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int, int, int) {
                 const Meeting* const other = meetingAt(j);
                 if (!other || other->fronts.count == 0) return;
                 const Vec3f& normal = core_.nodes[j].normal;
-                const Vec2f g =
-                    turnedInto(frame, normal, core_.localFrame(j).frame.lift(other->fronts.g[0]));
+                const Vec2f g = turnedInto(frame, normal,
+                                           TangentFrame(normal, faceted).lift(other->fronts.g[0]));
                 if (const float cosine = dot(g, fronts.g[0]); cosine < least)
                     least = cosine, fronts.g[1] = g, fronts.count = 2;
             });
@@ -271,8 +284,10 @@ private:
         const double before = marchedAt(jets_, start.node);
         if (solved_.contains(start.node) || !gather(start.node, frame, 0)) return false;
         std::optional<TwoFrontsFit::Found> found = fit_.begin(frame, around_, before, start.fronts);
-        if (found) take(start.node, before, frame, 0, *found);
-        return found.has_value();
+        if (!found || found->angle > kMostAtBegin) return false;
+        largest_ = found->angle;
+        take(start.node, before, frame, 0, *found);
+        return true;
     }
 
     void solveNext() {
@@ -282,8 +297,9 @@ private:
         if (solved_.contains(i) || !gather(i, frame, key)) return;
         const double before = marchedAt(jets_, i);
         std::optional<TwoFrontsFit::Found> found = fit_.solve(frame, around_, before);
-        // Where other fronts meet, rays do better.
-        if (!found || (!found->isBeside() && meetingAt(i))) return;
+        // Where other fronts meet, or the angle grows, rays do better.
+        if (!found || found->angle > largest_ + kGrowth || (!found->isBeside() && meetingAt(i)))
+            return;
         if (found->angle < TwoFrontsFit::kLargestAngle) write(i, *found);
         take(i, key, frame, std::abs(found->u - before), *found);
     }
@@ -324,6 +340,7 @@ private:
     std::vector<std::uint8_t>& near_;
     TwoFrontsFit fit_;
     std::uint32_t locus_ = 0;
+    float largest_ = 0;  ///< angle at the begin of the locus
     std::unordered_map<NodeIndex, TwoFronts> solved_;
     std::unordered_set<NodeIndex> seen_;
     std::priority_queue<Queued, std::vector<Queued>, std::greater<>> queue_;

@@ -52,8 +52,10 @@ public:
     };
     /// None where neighbors disagree, a third front arrives, or the point is not beside a locus.
     /// @param before  value by the march, as those of TwoFronts
+    /// @param mostOff, mostAngle  none farther from the locus, voxels, or where it is larger
     std::optional<Found> solve(const TangentFrame& frame, std::span<const Neighbor> around,
-                               double before);
+                               double before, float mostOff = float(kInfinity),
+                               float mostAngle = float(kInfinity));
     /// The same at the begin of a locus, where directions tell the fronts apart.
     std::optional<Found> begin(const TangentFrame& frame, std::span<const Neighbor> around,
                                double before, const MeetingFronts& fronts);
@@ -78,7 +80,7 @@ private:
     JetFits fits_;
 };
 
-/// Solves the core beside cut loci along which the angle between two fronts falls below 25 degrees
+/// Solves the core beside cut loci along which the angle between two fronts falls below 20 degrees
 /// from 36 or more. A locus that begins with small angles, at a cusp, is left: the angle grows
 /// there, and the march errs no more than elsewhere. In one thread; time O(nodes beside them).
 /// @param meetings  ascending; those that are solved here lose their fronts
