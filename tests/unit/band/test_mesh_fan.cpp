@@ -4,6 +4,7 @@
 #include <support/catch.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace igeo {
@@ -75,6 +76,28 @@ TEST_CASE("MeshFan: points behind the edges of a cube are seen over both planes 
         for (const WalkEnds& line : lines) least = std::min(least, line.length);
         CHECK(least == Approx(std::hypot(to.x - from.x, to.z + from.y)));
     }
+}
+
+TEST_CASE("MeshFan: on a floor given twice, with other triangles, lines end after some edges") {
+    // Each edge between two squares has three triangles beyond it.
+    constexpr std::uint32_t kSquares = 16;
+    TriangleMesh mesh;
+    for (std::uint32_t i = 0; i <= kSquares; ++i)
+        for (std::uint32_t j = 0; j <= kSquares; ++j) mesh.points.push_back({1.0 * i, 1.0 * j, 0});
+    for (std::uint32_t i = 0; i < kSquares; ++i)
+        for (std::uint32_t j = 0; j < kSquares; ++j) {
+            const std::uint32_t a = i * (kSquares + 1) + j, b = a + kSquares + 1;
+            mesh.triangles.insert(
+                mesh.triangles.end(),
+                {{a, b, b + 1}, {a, b + 1, a + 1}, {a, b, a + 1}, {b, b + 1, a + 1}});
+        }
+    const SurfaceTriangles triangles(mesh.points, mesh.triangles, meshTopology(mesh).neighbor);
+    const Vec3d from{8.3, 8.6, 0};
+    const auto at = triangles.nearest(from);
+    const MeshFan<SurfaceTriangles> fan(triangles, {at.triangle, at.point}, 6);
+    CHECK(fan.parts().size() > 100);
+    CHECK(fan.parts().size() < 1000);
+    CHECK(shortest(linesTo(triangles, fan, {9.5, 9.7, 0})).length == Approx(std::hypot(1.2, 1.1)));
 }
 
 TEST_CASE("MeshFan: behind a vertex with more than a full turn of faces lines go around it") {

@@ -59,6 +59,7 @@ public:
         std::uint32_t entry;   ///< the edge over which they come; 3: none
         bool mirrored;         ///< laid out clockwise, unlike the first
         std::uint32_t origin;  ///< number of the vertex that they come around; 0: the point itself
+        std::uint8_t forks = 0;  ///< edges with several triangles beyond that they have crossed
 
         /// Whether the lines between two of them come, not those in all directions.
         bool isSector() const { return before != kNoPart || origin > 0; }
@@ -119,6 +120,9 @@ private:
     };
 
     static constexpr std::size_t kMostParts = 20000;
+    /// Lines end at a further fork: where a surface is given twice, with other triangles, every
+    /// edge is one.
+    static constexpr int kMostForks = 3;
     static constexpr double kOn = 1e-5;  ///< voxels
     void begin(const MeshPoint& from);
     void leave(std::size_t k);
@@ -341,7 +345,8 @@ void MeshFan<Mesh>::addTurns(const std::vector<Turn>& turns, double from, double
                   kNoPart,
                   3,
                   false,
-                  std::uint32_t(origins_.size() - 1)};
+                  std::uint32_t(origins_.size() - 1),
+                  parts_[origins_.back().part].forks};
         part.corner[(c + 1) % 3] =
             inDirection(0, igeo::length(mesh_.corner(turn.triangle, c + 1) - p));
         part.corner[(c + 2) % 3] =
@@ -379,8 +384,13 @@ void MeshFan<Mesh>::leave(std::size_t k) {
             if (cross(left, part.left) < 0) left = a + cut(part.left) * e;
         }
         if (walkedTo(part) + nearest(right, left) > most_) continue;
+        std::size_t sheets = 0;
+        mesh_.forBeyond(part.triangle, edge, [&](std::uint32_t) { ++sheets; });
+        if (sheets > 1 && part.forks == kMostForks) continue;
+        const std::size_t first = parts_.size();
         mesh_.forBeyond(part.triangle, edge,
                         [&](std::uint32_t u) { enter(k, edge, u, right, left); });
+        for (std::size_t n = first; sheets > 1 && n < parts_.size(); ++n) ++parts_[n].forks;
     }
 }
 
@@ -391,7 +401,7 @@ void MeshFan<Mesh>::enter(std::size_t k, std::uint32_t edge, std::uint32_t beyon
     const std::uint32_t entry = edgeShared(mesh_[beyond], mesh_[from.triangle], edge);
     if (entry == 3) return;  // a seam
     const bool alike = mesh_[beyond][entry] == mesh_[from.triangle][(edge + 1) % 3];
-    Part part{beyond, {}, right, left, k, entry, from.mirrored != !alike, from.origin};
+    Part part{beyond, {}, right, left, k, entry, from.mirrored != !alike, from.origin, from.forks};
     const Vec2d fa = from.corner[edge], fb = from.corner[(edge + 1) % 3], e = fb - fa;
     const double width = igeo::length(e);
     if (!(width > 0)) return;
