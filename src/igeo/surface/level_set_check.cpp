@@ -222,8 +222,10 @@ void turnWrongSigns(LevelSet& s) {
 
 /// A conversion from a mesh by OpenVDB ends with a step that makes psi too low where S is hollow.
 void undoConversion(LevelSet& s) {
-    if (!isRenormalized(*s.psi)) return;
+    const bool bitsShow = isRenormalized(*s.psi);
+    if (!bitsShow && !repeatsValues(*s.psi)) return;
     const openvdb::FloatGrid::Ptr psi = toChange(s);
+    if (!bitsShow && !roundsHollowEdges(*psi, s.transform.dx)) return;
     s.stats.conversionUndone = true;
     const Undone undone = undoRenormalization(*psi, s.transform.dx);
     s.stats.loweredVoxels = undone.lowered;

@@ -242,8 +242,11 @@ void HollowEdges::look(const LeafBlock::Leaf& leaf, std::vector<LoweredVoxel>& l
                 if (!before_->besideFace(v)) continue;
                 before_->gather();
                 const float value = before_->stored(v), was = before_->sharp(v);
-                if (was > value + kLeast && std::abs(before_->renormalized(v) - value) < kNearly)
-                    lowered.push_back({origin.offsetBy(v.x, v.y, v.z), float(double(was) * dx_)});
+                if (!(was > value + kLeast)) continue;
+                const float off = std::abs(before_->renormalized(v) - value);
+                if (off < kNearly)
+                    lowered.push_back(
+                        {origin.offsetBy(v.x, v.y, v.z), float(double(was) * dx_), off});
             }
 }
 

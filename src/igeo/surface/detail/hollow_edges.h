@@ -18,6 +18,7 @@ constexpr double kRenormalizedAbout = 0.8;
 struct LoweredVoxel {
     openvdb::Coord at;
     float was;
+    float off;  ///< voxels: from what the step makes of it
 };
 
 /// Voxels that the last step of OpenVDB's meshToVolume has lowered in front of hollow edges.

@@ -281,6 +281,16 @@ public:
         done.negative = raiseAll();
         return done;
     }
+    bool roundsHollowEdges() {
+        constexpr std::size_t kEnough = 16;
+        constexpr float kExact = 1e-3f;  // voxels
+        constexpr double kMost = 0.5;
+        measureAll();
+        std::size_t all = 0, exact = 0;
+        for (const auto& part : lowered_)
+            for (const LoweredVoxel& v : part) ++all, exact += v.off < kExact;
+        return exact >= kEnough && double(exact) > kMost * double(all);
+    }
 
 private:
     void measure(const LeafBlock::Accessor& accessor, const Leaf& leaf, LeafBlock& block) {
@@ -357,6 +367,17 @@ private:
 };
 
 constexpr std::size_t kEnoughValues = 16;
+constexpr double kWithin = 0.4;  ///< voxels: how near to S values are looked at
+
+/// A thousand leaves, or a few more, spread over the tree.
+std::vector<const Leaf*> leavesToLookAt(const openvdb::FloatGrid& psi) {
+    constexpr std::size_t kLeaves = 1000;
+    std::vector<const Leaf*> leaves, some;
+    psi.tree().getNodes(leaves);
+    for (std::size_t l = 0; l < leaves.size(); l += leaves.size() / kLeaves + 1)
+        some.push_back(leaves[l]);
+    return some;
+}
 
 /// Whether values are as a distance that was computed in single precision: roots less a radius,
 /// multiples of the last place of the root. Of what conversions had before their last addition
@@ -386,16 +407,13 @@ bool areRootsLess(std::vector<float> values, double back) {
 bool isRenormalized(const openvdb::FloatGrid& psi) {
     // Among values with a tenth of the offset, which have three bits more, some coarse ones show
     // nothing.
-    constexpr double kNear = 0.1, kWithin = 0.4, kAll = 0.99, kFew = 0.5;
-    constexpr std::size_t kLeaves = 1000;
+    constexpr double kNear = 0.1, kAll = 0.99, kFew = 0.5;
     const auto dx = float(psi.transform().voxelSize()[0]), offset = float(kOffset * double(dx)),
                back = offset - kShift;
-    std::vector<const Leaf*> leaves;
-    psi.tree().getNodes(leaves);
     std::size_t near = 0, fit = 0, coarse = 0;
     std::vector<float> within;
-    for (std::size_t l = 0; l < leaves.size(); l += leaves.size() / kLeaves + 1)
-        forActive(*leaves[l], [&](float at) {
+    for (const Leaf* leaf : leavesToLookAt(psi))
+        forActive(*leaf, [&](float at) {
             const double value = double(at), before = value - double(back);
             if (std::abs(value) < kWithin * double(dx) && before < 0) within.push_back(at);
             if (!(std::abs(value) < kNear * double(dx))) return;
@@ -406,6 +424,23 @@ bool isRenormalized(const openvdb::FloatGrid& psi) {
         });
     return near >= kEnoughValues && double(fit) > kAll * double(near) &&
            double(coarse) < kFew * double(near) && !areRootsLess(std::move(within), double(back));
+}
+
+bool repeatsValues(const openvdb::FloatGrid& psi) {
+    constexpr std::size_t kMost = 64;
+    const double within = kWithin * psi.transform().voxelSize()[0];
+    std::set<float> values;
+    for (const Leaf* leaf : leavesToLookAt(psi)) {
+        forActive(*leaf, [&](float value) {
+            if (std::abs(double(value)) < within && values.size() <= kMost) values.insert(value);
+        });
+        if (values.size() > kMost) return false;
+    }
+    return true;
+}
+
+bool roundsHollowEdges(openvdb::FloatGrid& psi, double dx) {
+    return Undo(psi.tree(), dx).roundsHollowEdges();
 }
 
 Undone undoRenormalization(openvdb::FloatGrid& psi, double dx) {

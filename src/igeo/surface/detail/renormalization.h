@@ -19,6 +19,16 @@ namespace igeo {
 /// at a thousand leaves.
 bool isRenormalized(const openvdb::FloatGrid& psi);
 
+/// Whether psi near S has few different values, as of plane faces in line with the voxels: their
+/// bits show nothing. Looks at as many leaves.
+bool repeatsValues(const openvdb::FloatGrid& psi);
+
+/// Whether psi in front of hollow edges is, to a thousandth of a voxel, what the step makes of the
+/// planes of their faces (HollowEdges). Time as undoRenormalization. Sets the transient data of
+/// leaves.
+/// @param dx  voxel size
+bool roundsHollowEdges(openvdb::FloatGrid& psi, double dx);
+
 /// Numbers of voxels once the step is undone.
 struct Undone {
     std::size_t lowered = 0;     ///< in front of hollow edges
