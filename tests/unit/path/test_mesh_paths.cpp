@@ -188,13 +188,14 @@ TEST_CASE("the estimate on a mesh is the error of the distance, not that of leng
     }
     CHECK(sum / double(samples) < 1.9e-6);  // measured 1.3e-06
     CHECK(largest < 7.2e-6);                // measured 4.8e-06
-    // Every second one of the estimate's is a corner of the box.
+    // Every second one of the estimate's is between foot points, where errors are larger, as at the
+    // corners of the box.
     double atCorners = 0;
     for (const Vec3d& corner : box.points) atCorners = std::max(atCorners, errorAt(corner));
-    CHECK(e.largestError < 3.3 * atCorners);  // measured 2.2
+    CHECK(e.largestError < 5.8 * atCorners);  // measured 3.84
     CHECK(e.largestError > atCorners / 2);
-    CHECK(e.largestError < 1.3e-4);  // measured 8.8e-05
-    CHECK(e.meanError < 2.8e-6);     // measured 1.8e-06
+    CHECK(e.largestError < 2.3e-4);  // measured 1.55e-04
+    CHECK(e.meanError < 1.14e-5);    // measured 7.6e-06
 }
 
 TEST_CASE("the estimate on a mesh is the mean error from any seed", "[mesh]") {
