@@ -137,9 +137,6 @@ private:
     /// The jets of one source, blended.
     /// @param isClear  set to false where several fronts seem to meet
     double blended(std::uint32_t source, bool& isClear) const;
-    /// The jets around by walks over triangles. Where other sheets hold the voxels straight behind
-    /// the point, the next node that is there lies farther off.
-    JetsByWalks aroundByWalks() const;
     /// The first arrival by walks over triangles.
     Arrival byWalks() const;
     /// The nodes of the core at the cell and beside it; none near obstacles.
@@ -389,19 +386,8 @@ Arrival Reader::ofSource(std::uint32_t source, double value) const {
     return arrival(d, disc, source);
 }
 
-JetsByWalks Reader::aroundByWalks() const {
-    constexpr int kNear = 2, kFar = 6;
-    constexpr double kDetour = 0.1;  // voxels
-    JetsByWalks near = coreByWalks(field_, onMesh(), cell_, kNear);
-    if (!field_.evenCosts || !hasThinWalls(band_, cell_)) return near;
-    for (const std::uint32_t own : near.sources())
-        if (near.first(own).distance > near.byPlaneFronts(own) + kDetour * metric_.at(cell_))
-            return coreByWalks(field_, onMesh(), cell_, kFar);
-    return near;
-}
-
 Arrival Reader::byWalks() const {
-    JetsByWalks around = aroundByWalks();
+    JetsByWalks around = coreByWalks(field_, onMesh(), cell_);
     const std::vector<Seen> seen =
         place_.byWays ? seenFrom(field_, onMesh(), around.here()) : std::vector<Seen>{};
     addSeen(seen, around);

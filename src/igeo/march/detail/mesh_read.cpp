@@ -9,7 +9,7 @@ namespace igeo {
 
 namespace {
 
-constexpr double kLongestWalk = 5;  // voxels; longer between pages and to far nodes
+constexpr double kFarthest = 3, kLongestWalk = 5;  // voxels; longer between pages
 
 /// A core node near a point.
 struct Near {
@@ -22,14 +22,13 @@ struct Near {
 /// The core nodes with a jet whose foot points are near a point, no obstacle between; those that
 /// matter most first.
 /// @param normal  of S there
-/// @param reach   so many voxels along each axis
-std::vector<Near> coreNear(const Field& field, const Vec3d& p, const Vec3d& normal, int reach) {
+std::vector<Near> coreNear(const Field& field, const Vec3d& p, const Vec3d& normal) {
     const Band& band = *field.band;
     std::vector<NodeIndex> nodes;
-    const Ijk low = floorToIjk(p), by{reach, reach, reach};
-    band.forVoxels(low - by, low + by + Ijk{1, 1, 1}, [&](NodeIndex i, const Ijk& voxel) {
+    const Ijk low = floorToIjk(p);
+    band.forVoxels(low - Ijk{2, 2, 2}, low + Ijk{3, 3, 3}, [&](NodeIndex i, const Ijk& voxel) {
         const Vec3d foot = Vec3d(voxel) + Vec3d(band.footOf(i));
-        if (length(foot - p) < reach + 1 && band.inCore(i) &&
+        if (length(foot - p) < kFarthest && band.inCore(i) &&
             !field.metric->blocked(p, foot, normal))
             nodes.push_back(i);
     });
@@ -283,16 +282,6 @@ JetsByWalks::First JetsByWalks::first(std::uint32_t source) {
     return first;
 }
 
-double JetsByWalks::byPlaneFronts(std::uint32_t source) const {
-    double least = kInfinity;
-    for (const Carried& carried : jets_) {
-        if (carried.source != source || carried.face == kNoFace) continue;
-        const double along = double(dot(carried.jet.g, carried.jet.a));
-        if (along > 0) least = std::min(least, here_ * (carried.jet.u + along));
-    }
-    return least;
-}
-
 bool isBlocked(const Metric& metric, const SurfaceTriangles& triangles,
                const MeshFan<SurfaceTriangles>& fan, std::size_t k, const Vec3d& to) {
     if (!metric.obstacles || !metric.obstacles->mayBeNear(to, MeshWays::kReach)) return false;
@@ -368,12 +357,11 @@ void addSeen(const std::vector<Seen>& seen, JetsByWalks& jets) {
         if (s.node != kNoNode) jets.addOver(s.line, s.node, s.jet, s.cost);
 }
 
-JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at, const BandCell& cell,
-                        int reach) {
+JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at,
+                        const BandCell& cell) {
     constexpr double kAround = 1;  // voxels: beside the nodes from which the front comes
     const Band& band = *field.band;
-    const std::vector<Near> nodes =
-        coreNear(field, at.point, band.triangles->normal(at.triangle), reach);
+    const std::vector<Near> nodes = coreNear(field, at.point, band.triangles->normal(at.triangle));
     const double here = weightAt(field, at.point, cell, nodes);
     JetsByWalks jets(band, *field.metric, at, here);
     double first = kInfinity;

@@ -100,9 +100,6 @@ public:
     };
     /// The first arrival of a source, by Fermat's principle; +infinity without jets of it.
     First first(std::uint32_t source);
-    /// The first of the plane fronts that nodes behind the point carry to it over straight walks;
-    /// +infinity without such nodes.
-    double byPlaneFronts(std::uint32_t source) const;
     /// The sources of the jets, ascending.
     std::vector<std::uint32_t> sources() const;
 
@@ -175,9 +172,8 @@ std::vector<Seen> seenFrom(const Field& field, const SurfaceTriangles::Place& at
 void addSeen(const std::vector<Seen>& seen, JetsByWalks& jets);
 
 /// Carries the jets of the core around a point of a mesh to it.
-/// @param cell   of the point, with the corners on its sheet
-/// @param reach  nodes so many voxels away along each axis
-JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at, const BandCell& cell,
-                        int reach);
+/// @param cell  of the point, with the corners on its sheet
+JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at,
+                        const BandCell& cell);
 
 }  // namespace igeo
