@@ -96,7 +96,7 @@ TEST_CASE("MeshFan: on a floor given twice, with other triangles, lines end afte
     const auto at = triangles.nearest(from);
     const MeshFan<SurfaceTriangles> fan(triangles, {at.triangle, at.point}, 6);
     CHECK(fan.parts().size() > 100);
-    CHECK(fan.parts().size() < 1000);
+    CHECK(fan.parts().size() < 2040);  // measured 1358; 20,000, where fans end, without that
     CHECK(shortest(linesTo(triangles, fan, {9.5, 9.7, 0})).length == Approx(std::hypot(1.2, 1.1)));
 }
 
