@@ -20,7 +20,7 @@ SHAPES = {
     "narrow spindle torus": (0.23, 0.042),   # 0.151, 0.028
     "two tori": (0.047, 0.032),              # 0.031, 0.021
     "tube over itself": (0.078, 0.086),      # 0.052, 0.057
-    "tube around twice": (0.37, 0.36),       # 0.242, 0.235; with fits to one side: 0.706, 0.711
+    "tube around twice": (0.37, 0.63),       # 0.242, 0.420; with fits to one side: 0.706, 0.711
     "three tubes": (0.012, 0.012),           # 0.008, 0.008
 }
 
