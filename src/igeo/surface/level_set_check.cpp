@@ -20,6 +20,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -225,11 +226,13 @@ void undoConversion(LevelSet& s) {
     const bool bitsShow = isRenormalized(*s.psi);
     if (!bitsShow && !repeatsValues(*s.psi)) return;
     const openvdb::FloatGrid::Ptr psi = toChange(s);
-    if (!bitsShow && !roundsHollowEdges(*psi, s.transform.dx)) return;
+    const double dx = s.transform.dx;
+    const std::optional<Undone> undone =
+        bitsShow ? undoRenormalization(*psi, dx) : undoIfEdgesShow(*psi, dx);
+    if (!undone) return;
     s.stats.conversionUndone = true;
-    const Undone undone = undoRenormalization(*psi, s.transform.dx);
-    s.stats.loweredVoxels = undone.lowered;
-    s.stats.negative = undone.negative;
+    s.stats.loweredVoxels = undone->lowered;
+    s.stats.negative = undone->negative;
     s.psi = psi;
 }
 

@@ -125,6 +125,12 @@ private:
     static constexpr int kMostForks = 3;
     static constexpr double kOn = 1e-5;  ///< voxels
     void begin(const MeshPoint& from);
+    /// Whether several triangles are beyond an edge of a triangle.
+    bool isFork(std::uint32_t t, std::uint32_t edge) const {
+        int sheets = 0;
+        mesh_.forBeyond(t, edge, [&](std::uint32_t) { ++sheets; });
+        return sheets > 1;
+    }
     void leave(std::size_t k);
     /// Lays the triangle beyond an edge of part k flat.
     void enter(std::size_t k, std::uint32_t edge, std::uint32_t beyond, Vec2d right, Vec2d left);
@@ -384,12 +390,13 @@ void MeshFan<Mesh>::leave(std::size_t k) {
             if (cross(left, part.left) < 0) left = a + cut(part.left) * e;
         }
         if (walkedTo(part) + nearest(right, left) > most_) continue;
-        std::size_t sheets = 0;
-        mesh_.forBeyond(part.triangle, edge, [&](std::uint32_t) { ++sheets; });
-        if (sheets > 1 && part.forks == kMostForks) continue;
+        if (part.forks == kMostForks && isFork(part.triangle, edge)) continue;
         const std::size_t first = parts_.size();
-        mesh_.forBeyond(part.triangle, edge,
-                        [&](std::uint32_t u) { enter(k, edge, u, right, left); });
+        int sheets = 0;
+        mesh_.forBeyond(part.triangle, edge, [&](std::uint32_t u) {
+            ++sheets;
+            enter(k, edge, u, right, left);
+        });
         for (std::size_t n = first; sheets > 1 && n < parts_.size(); ++n) ++parts_[n].forks;
     }
 }

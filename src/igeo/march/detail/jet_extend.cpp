@@ -378,7 +378,7 @@ void Extension::solveDoubtful(Doubtful::Some& some, Group& group) const {
 
 std::optional<Extension::Found> Extension::byTwoFronts(const Doubtful::Node& node,
                                                        double before) const {
-    constexpr float kBoth = 2;  // voxels from the locus: farther on there is one front
+    constexpr float kMostOff = 2;  // voxels from the locus: farther on there is one front
     const Around& around = node.around;
     const auto end = around.node.begin() + around.count;
     if (!jets_.meetings || std::none_of(around.node.begin(), end, [&](const Around::Node& n) {
@@ -393,7 +393,7 @@ std::optional<Extension::Found> Extension::byTwoFronts(const Doubtful::Node& nod
         neighbors[k] = {n.core, n.jet.a, jets_.meetings->bothAt(n.core)};
     }
     const auto found = TwoFrontsFit(jets_).solve(node.local.frame, {neighbors.data(), around.count},
-                                                 before, kBoth, TwoFrontsFit::kLargestAngle);
+                                                 before, kMostOff, TwoFrontsFit::kLargestAngle);
     if (!found || !found->isBeside()) return {};
     return fromChart(found->u, found->g, around.node[0].source, node.local);
 }

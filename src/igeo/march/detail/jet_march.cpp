@@ -323,20 +323,25 @@ bool JetMarch::isInShadow(const JetRows::Row& row, const JetGroup::Solution& s) 
 
 bool JetMarch::comesSideways(NodeIndex i, const JetRows::Row& row,
                              const JetGroup::Solution& s) const {
-    constexpr float kBehind = 0.9f;                        // cosine: within 26 degrees
     constexpr float kSameWay = 0.9f, kStraight = 0.9998f;  // cosines: 26 degrees, one degree
-    if (isotropic_ && !sharesVoxels(i)) return false;
+    if (isotropic_) return sharesVoxels(i) && !hasNeighborBehind(i, row, s);
     // Along a rim that bends a fit would cut the bend a little with every step.
-    const bool atRim = !isotropic_ && core_.rims.isBesideOpen(core_, i);
+    const bool atRim = core_.rims.isBesideOpen(core_, i);
+    return (atRim || !hasNeighborBehind(i, row, s)) &&
+           !isConfirmedBehind(i, s, atRim ? kStraight : kSameWay);
+}
+
+bool JetMarch::hasNeighborBehind(NodeIndex i, const JetRows::Row& row,
+                                 const JetGroup::Solution& s) const {
+    constexpr float kBehind = 0.9f;  // cosine: within 26 degrees
     for (std::size_t k = 0; k < row.knownCount; ++k) {
         const JetLink& link = row.knownLink(k);
         const JetNeighbor n = isotropic_
                                   ? JetNeighbor{link.a(), link.turned(jets_.state[link.node()].g)}
                                   : inStretchedChart(i, link);
-        if (!atRim && dot(n.g, s.g) >= jet::kSameFront && dot(n.a, s.g) > kBehind * length(n.a))
-            return false;
+        if (dot(n.g, s.g) >= jet::kSameFront && dot(n.a, s.g) > kBehind * length(n.a)) return true;
     }
-    return isotropic_ || !isConfirmedBehind(i, s, atRim ? kStraight : kSameWay);
+    return false;
 }
 
 bool JetMarch::sharesVoxels(NodeIndex i) const {

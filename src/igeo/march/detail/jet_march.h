@@ -191,6 +191,8 @@ private:
     /// neighbors are far apart. The same, without that node further back, where sheets of a mesh
     /// share voxels: there neighbors straight behind may be missing.
     bool comesSideways(NodeIndex i, const JetRows::Row& row, const JetGroup::Solution& s) const;
+    /// Whether a neighbor of the front is straight behind a node.
+    bool hasNeighborBehind(NodeIndex i, const JetRows::Row& row, const JetGroup::Solution& s) const;
     /// Whether a node of a mesh lacks links to voxels beside it, which lie on other sheets.
     bool sharesVoxels(NodeIndex i) const;
     /// Whether S goes on straight behind a node, to a node that belongs to the front and does not

@@ -21,6 +21,13 @@ struct JetNeighbor {
     double u = 0;  ///< its value over the weight
 };
 
+/// A tangent vector at a neighbor in the chart of a node: turned along with the plane, by the least
+/// rotation that takes nj to n.
+/// @param nj  normal at the neighbor; cosine = n . nj
+inline Vec2f turnedInto(const TangentFrame& frame, const Vec3f& nj, float cosine, const Vec3f& v) {
+    return frame.flat(v) - (dot(v, frame.normal()) / (1 + cosine)) * frame.flat(nj);
+}
+
 /// A neighbor laid out in the chart.
 /// @param frame   tangent plane of the node
 /// @param chord   from the foot point of the neighbor to that of the node
@@ -28,10 +35,7 @@ struct JetNeighbor {
 /// @param gradient, value  of the distance at the neighbor, over the weight at the node
 inline JetNeighbor flattened(const TangentFrame& frame, const Vec3f& chord, const Vec3f& nj,
                              float cosine, const Vec3f& gradient, double value) {
-    // The gradient turned along with the plane: the least rotation that takes nj to n.
-    const Vec2f g =
-        frame.flat(gradient) - (dot(gradient, frame.normal()) / (1 + cosine)) * frame.flat(nj);
-    return {frame.unfold(chord, nj, cosine), g, value};
+    return {frame.unfold(chord, nj, cosine), turnedInto(frame, nj, cosine, gradient), value};
 }
 
 /// A neighbor in coordinates in which the metric at the node is Euclidean (Stretch).

@@ -14,10 +14,9 @@ namespace {
 
 using Meeting = Meetings::Meeting;
 
-/// A direction of travel at a neighbor in the chart of a point: turned along with the plane.
+/// A direction of travel at a neighbor in the chart of a point.
 Vec2f turnedInto(const TangentFrame& frame, const Vec3f& normal, const Vec3f& g) {
-    const float cosine = dot(frame.normal(), normal);
-    return frame.flat(g) - (dot(g, frame.normal()) / (1 + cosine)) * frame.flat(normal);
+    return turnedInto(frame, normal, dot(frame.normal(), normal), g);
 }
 
 double marchedAt(const CoreJets& jets, NodeIndex k) {

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
@@ -264,7 +265,7 @@ IGEO_AVX2 unsigned raiseByEight(const LeafBlock::Accessor& accessor, const Packe
 }
 #endif
 
-/// Undoes the step: first what is known, then the rest.
+/// Measures what the step did, and undoes it: first what is known, then the rest.
 class Undo {
 public:
     Undo(Tree& psi, double dx) : psi_(psi), dx_(dx), zero_(float(kOffset - double(kShift) / dx)) {
@@ -272,20 +273,20 @@ public:
         for (std::size_t l = 0; l < leaves_.size(); ++l)
             leaves_[l]->setTransientData(openvdb::Index32(l));
         packed_.resize(leaves_.size());
+        measureAll();
     }
 
     Undone run() {
-        measureAll();
         Undone done;
         done.lowered = restore();
         done.negative = raiseAll();
         return done;
     }
-    bool roundsHollowEdges() {
+    /// Whether psi in front of hollow edges is what the step makes of the planes of their faces.
+    bool isShownByEdges() const {
         constexpr std::size_t kEnough = 16;
         constexpr float kExact = 1e-3f;  // voxels
         constexpr double kMost = 0.5;
-        measureAll();
         std::size_t all = 0, exact = 0;
         for (const auto& part : lowered_)
             for (const LoweredVoxel& v : part) ++all, exact += v.off < kExact;
@@ -439,12 +440,13 @@ bool repeatsValues(const openvdb::FloatGrid& psi) {
     return true;
 }
 
-bool roundsHollowEdges(openvdb::FloatGrid& psi, double dx) {
-    return Undo(psi.tree(), dx).roundsHollowEdges();
-}
-
 Undone undoRenormalization(openvdb::FloatGrid& psi, double dx) {
     return Undo(psi.tree(), dx).run();
+}
+
+std::optional<Undone> undoIfEdgesShow(openvdb::FloatGrid& psi, double dx) {
+    Undo undo(psi.tree(), dx);
+    return undo.isShownByEdges() ? std::optional(undo.run()) : std::nullopt;
 }
 
 }  // namespace igeo

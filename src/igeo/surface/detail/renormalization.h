@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 namespace igeo {
 
@@ -22,12 +23,6 @@ bool isRenormalized(const openvdb::FloatGrid& psi);
 /// Whether psi near S has few different values, as of plane faces in line with the voxels: their
 /// bits show nothing. Looks at as many leaves.
 bool repeatsValues(const openvdb::FloatGrid& psi);
-
-/// Whether psi in front of hollow edges is, to a thousandth of a voxel, what the step makes of the
-/// planes of their faces (HollowEdges). Time as undoRenormalization. Sets the transient data of
-/// leaves.
-/// @param dx  voxel size
-bool roundsHollowEdges(openvdb::FloatGrid& psi, double dx);
 
 /// Numbers of voxels once the step is undone.
 struct Undone {
@@ -54,5 +49,9 @@ struct Undone {
 ///
 /// @param dx  voxel size
 Undone undoRenormalization(openvdb::FloatGrid& psi, double dx);
+
+/// The same where psi in front of hollow edges is, to a thousandth of a voxel, what the step makes
+/// of the planes of their faces; else none, and psi stays as it is.
+std::optional<Undone> undoIfEdgesShow(openvdb::FloatGrid& psi, double dx);
 
 }  // namespace igeo
