@@ -88,6 +88,7 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
         for (std::size_t l = begin; l < end; ++l)
             for (const NodeIndex i : marks.kinks[l]) band.markKink(i);
     });
+    band.sever(turnToEdges(band, marks.fans));
     band.sever(linksThroughWalls(band, levelSet, marks.meetings));
     parallelFor(marks.fans.size(), 256, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) addFans(band, marks.fans[l], marks.rims[l]);

@@ -16,9 +16,10 @@ struct Drawn {
     Band band;
     Field field;
 
-    explicit Drawn(const TriangleMesh& mesh, double dx = 0.02)
+    /// @param seed  where it is, voxels
+    explicit Drawn(const TriangleMesh& mesh, const Vec3d& seed = {25, 25, 0.2}, double dx = 0.02)
         : band(bandFromMesh(mesh, dx, std::sqrt(3.0))),
-          field(marchJet(band, nullptr, {nearestSurfacePoint(band, {25, 25, 0.2})})) {}
+          field(marchJet(band, nullptr, {nearestSurfacePoint(band, seed)})) {}
 
     /// From above.
     PictureOptions fromAbove() const {
@@ -63,6 +64,18 @@ TEST_CASE("picture: a plate a third of a voxel thick has no holes and straight r
     Drawn(boxMesh({1, 0.6, thick})).check(thick, [](double x, double y) {
         return x > 0 && x < 1 && y > 0 && y < 0.6;
     });
+}
+
+TEST_CASE("picture: the dot of a seed shows from its own side of a thin plate", "[mesh]") {
+    const TriangleMesh plate = boxMesh({1, 0.6, 0.007});  // a third of a voxel
+    auto brightness = [&](double z) {
+        const Drawn drawn(plate, {25, 15, z});
+        const PictureOptions o = drawn.fromAbove();
+        const Image image(renderPng(nullptr, drawn.field, {}, o));
+        return dot(image.light(o.width / 2, o.height / 2), {1, 1, 1}) / 3;
+    };
+    CHECK(brightness(0.35) > 0.9);  // white
+    CHECK(brightness(0.0) < 0.5);   // faint, over the dark end of the colors
 }
 
 TEST_CASE("picture: an open sheet ends where the mesh does", "[mesh]") {

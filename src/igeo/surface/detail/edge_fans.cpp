@@ -1,9 +1,13 @@
 #include <igeo/surface/detail/edge_fans.h>
 
+#include <igeo/base/parallel.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <span>
+#include <utility>
 
 namespace igeo {
 
@@ -23,30 +27,41 @@ bool mayFan(const Band& band, NodeIndex i) {
     return turns && faces;
 }
 
-/// Two of the normals at some neighbors of a node: one that is far from its own, and the farthest
-/// from that.
-struct FarNormals {
+/// Two normals around a node of a fan, of one face each, and their cosine.
+struct Sides {
     Vec3f a, b;
-    float cosine;
-
-    FarNormals(const Band& band, NodeIndex i, std::span<const NodeIndex> neighbors)
-        : a(farthest(band, band.normal[i], neighbors)),
-          b(farthest(band, a, neighbors)),
-          cosine(dot(a, b)) {}
+    float cosine = 1;
     bool oppose() const { return cosine < Band::kOtherSheet; }
-
-private:
-    static Vec3f farthest(const Band& band, const Vec3f& from, std::span<const NodeIndex> nodes) {
-        Vec3f to = from;
-        for (const NodeIndex j : nodes)
-            if (dot(from, band.normal[j]) < dot(from, to)) to = band.normal[j];
-        return to;
-    }
 };
+
+/// Those at some neighbors: one that is far from the node's own, and the farthest from that. Those
+/// of the edge that is known, if both faces are among the neighbors.
+Sides sidesAt(const Band& band, const FanNode& here, std::span<const NodeIndex> neighbors) {
+    if (here.a == Vec3f{}) {
+        auto farthest = [&](const Vec3f& from) {
+            Vec3f to = from;
+            for (const NodeIndex j : neighbors)
+                if (dot(from, band.normal[j]) < dot(from, to)) to = band.normal[j];
+            return to;
+        };
+        const Vec3f a = farthest(band.normal[here.node]), b = farthest(a);
+        return {a, b, dot(a, b)};
+    }
+    constexpr float kOnFace = 0.9f;
+    auto hasFace = [&](const Vec3f& n) {
+        return std::any_of(neighbors.begin(), neighbors.end(),
+                           [&](NodeIndex j) { return dot(n, band.normal[j]) > kOnFace; });
+    };
+    return {here.a, here.b, hasFace(here.a) && hasFace(here.b) ? dot(here.a, here.b) : 1.0f};
+}
+
+bool isNearSurface(const Band& band, const Vec3d& p) {
+    constexpr double kOff = 0.35;  // voxels
+    return std::abs(psiAt(band, p)) < kOff;
+}
 
 void addFan(const Band& band, const FanNode& here, std::vector<NodeIndex>& core) {
     constexpr float kSteeper = 0.1f;
-    constexpr double kOff = 0.35;  // voxels
     const NodeIndex i = here.node;
     const bool severed = band.facing[i] & Band::kSevered;
     std::array<NodeIndex, 26> linked;
@@ -57,33 +72,122 @@ void addFan(const Band& band, const FanNode& here, std::vector<NodeIndex>& core)
             !(severed && band.severed(i, j)))
             linked[count++] = j;
     });
-    if (!FarNormals(band, i, {linked.data(), count}).oppose()) return;
+    if (!sidesAt(band, here, {linked.data(), count}).oppose()) return;
 
-    const auto isNearSurface = [&](const Vec3d& p) { return std::abs(psiAt(band, p)) < kOff; };
     const Vec3d foot = band.footPoint(i);
-    if (!isNearSurface(foot)) return;
+    if (!isNearSurface(band, foot)) return;
     const NodeIndex* const end =
         std::remove_if(linked.data(), linked.data() + count, [&](NodeIndex j) {
             const Vec3d other = band.footPoint(j);
-            return !isNearSurface(other) || !isNearSurface(0.5 * (foot + other));
+            return !isNearSurface(band, other) || !isNearSurface(band, 0.5 * (foot + other));
         });
     const std::span<const NodeIndex> joined(linked.data(), end);
-    const FarNormals sides(band, i, joined);
-    if (!sides.oppose() || here.slope < std::sqrt((1 + sides.cosine) / 2) + kSteeper) return;
+    const Sides sides = sidesAt(band, here, joined);
+    // Beside a known edge the normals of a face may be mixed.
+    const bool known = here.a != Vec3f{};
+    const float apart = known ? 0 : Band::kOtherSheet;
+    if (!sides.oppose() || !(known || here.slope >= std::sqrt((1 + sides.cosine) / 2) + kSteeper))
+        return;
     core.push_back(i);
     for (const NodeIndex j : joined)
         if (std::abs(band.psi[j]) < kBesideFan &&
-            std::min(dot(sides.a, band.normal[j]), dot(sides.b, band.normal[j])) <
-                Band::kOtherSheet)
+            std::min(dot(sides.a, band.normal[j]), dot(sides.b, band.normal[j])) < apart)
             core.push_back(j);
+}
+
+/// A plane of points p with n . p = height.
+struct Plane {
+    Vec3d n;
+    double height;
+};
+
+/// The planes of faces that nodes up to two voxels away show, seen from a node; each once.
+class PlanesAround {
+public:
+    PlanesAround(const Band& band, NodeIndex i) {
+        constexpr int kReach = 2;
+        band.forBox(&BandLeaf::band, i, {}, kReach, [&](NodeIndex j, const Ijk& step) {
+            if (j == i || !(std::abs(band.psi[j]) < float(kFanEnd))) return;
+            const Vec3d n(band.normal[j]);
+            const Plane plane{n, dot(n, Vec3d(step)) - double(band.psi[j])};
+            if (std::none_of(begin(), end(), [&](const Plane& p) { return areSame(p, plane); }))
+                planes_[count_++] = plane;
+        });
+    }
+    const Plane* begin() const { return planes_.data(); }
+    const Plane* end() const { return planes_.data() + count_; }
+
+private:
+    static bool areSame(const Plane& p, const Plane& q) {
+        constexpr double kSame = 1e-3;
+        return length(p.n - q.n) < kSame && std::abs(p.height - q.height) < kSame;
+    }
+    std::array<Plane, 125> planes_;
+    std::size_t count_ = 0;
+};
+
+/// The normal at a node whose nearest point of S is on the edge of two planes, and theirs.
+std::optional<std::array<Vec3f, 3>> normalFromEdge(const Band& band, NodeIndex i) {
+    constexpr double kOff = 0.015, kOnS = 0.25;  // voxels
+    const double psi = double(band.psi[i]);
+    const Vec3d at(band.ijk(i));
+    double least = kOff;
+    std::optional<std::array<Vec3f, 3>> found;
+    const PlanesAround planes(band, i);
+    for (const auto& [a, toA] : planes)
+        for (const auto& [b, toB] : planes) {
+            const double cosine = dot(a, b), sine2 = 1 - cosine * cosine;
+            if (!(cosine < double(Band::kOtherSheet) && sine2 > 0)) continue;
+            // The nearest point of their line, from the node.
+            const double alongA = (toA - cosine * toB) / sine2,
+                         alongB = (toB - cosine * toA) / sine2;
+            if (alongA * psi > 0 || alongB * psi > 0) continue;
+            const Vec3d r = alongA * a + alongB * b;
+            const double off = std::abs(length(r) - std::abs(psi));
+            if (!(off < least && std::abs(psiAt(band, at + r)) < kOnS)) continue;
+            least = off;
+            found = {Vec3f(normalized(psi < 0 ? r : -r)), Vec3f(a), Vec3f(b)};
+        }
+    return found;
 }
 
 }  // namespace
 
+std::vector<Link> turnToEdges(Band& band, std::vector<std::vector<FanNode>>& candidates) {
+    std::vector<std::vector<std::pair<NodeIndex, Vec3f>>> turned(candidates.size());
+    parallelFor(candidates.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l)
+            for (FanNode& here : candidates[l]) {
+                if (std::abs(here.slope - 1) <= kUneven) continue;
+                const auto found = normalFromEdge(band, here.node);
+                if (!found) continue;
+                turned[l].emplace_back(here.node, (*found)[0]);
+                here.a = (*found)[1], here.b = (*found)[2];
+            }
+    });
+    for (const auto& part : turned)
+        for (const auto& [i, normal] : part) band.normal[i] = normal;
+    std::vector<Link> leaving;
+    for (const auto& part : turned)
+        for (const auto& [node, normal] : part) {
+            const NodeIndex i = node;
+            band.markFacing(i);
+            const Vec3d foot = band.footPoint(i);
+            band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
+                if (dot(band.normal[i], band.normal[j]) >= Band::kOtherSheet &&
+                    !isNearSurface(band, 0.5 * (foot + band.footPoint(j))))
+                    leaving.emplace_back(i, j);
+            });
+        }
+    return leaving;
+}
+
 void addFans(const Band& band, const std::vector<FanNode>& candidates,
              std::vector<NodeIndex>& core) {
+    constexpr float kLeastSlope = 0.5f;
     for (const FanNode& here : candidates)
-        if (mayFan(band, here.node)) addFan(band, here, core);
+        if ((here.a != Vec3f{} || here.slope > kLeastSlope) && mayFan(band, here.node))
+            addFan(band, here, core);
 }
 
 }  // namespace igeo

@@ -22,8 +22,8 @@ constexpr double kMeeting = 0.65;
 constexpr float kMixed = 0.03f;
 
 /// A node of a fan (addFans) is around a sharp bend. Where a level set is not exact, the length is
-/// as far off 1, at least kLeastSlope, and psi is at most kRidge concave.
-constexpr float kUneven = 0.08f, kLeastSlope = 0.5f, kRidge = 0.8f;
+/// off 1 by kUneven, and psi is at most kRidge concave.
+constexpr float kRidge = 0.8f;
 
 /// The nodes of a row.
 template <int Width>
@@ -56,11 +56,10 @@ struct NodeRow {
             const auto sharp = (onRoundSide > float(1 / kSharpRadius));
             rim |= bitsOf<Width>(mayBeCore & sharp) << k;
             mixed |= bitsOf<Width>(mayBeCore & (absolute(steep - 1) > kMixed)) << k;
-            fan |=
-                bitsOf<Width>((absolute(psi) >= float(kFanBegin)) &
-                              (absolute(psi) < float(kFanEnd)) & (steep > kLeastSlope) &
-                              (sharp | ((absolute(steep - 1) > kUneven) & (onRoundSide > -kRidge))))
-                << k;
+            fan |= bitsOf<Width>(
+                       (absolute(psi) >= float(kFanBegin)) & (absolute(psi) < float(kFanEnd)) &
+                       (sharp | ((absolute(steep - 1) > kUneven) & (onRoundSide > -kRidge))))
+                   << k;
         }
         mixed |= 0xff & ~smooth;
     }

@@ -17,7 +17,8 @@ namespace {
 /// Voxels. Below kAtSurface a point is on S: in a wall of one voxel the interpolant of psi is
 /// hardly larger. kSlack covers errors of foot points and normals beside creases. At corners foot
 /// points are up to 0.48 off the interpolant's zero set; up to kMostOff of this is compensated.
-constexpr float kAtSurface = 0.03f, kSlack = 0.3f, kMostOff = 0.5f, kSpacing = 0.25f;
+constexpr float kAtSurface = 0.03f, kSlack = 0.3f, kMostOff = 0.5f, kSpacing = 0.25f,
+                kCutOff = 0.1f;
 
 /// Where normals are alike (the cosine is above kAlike), psi keeps this share of its value on the
 /// chord beyond the surface in a wall, up to a taper of 20 degrees. In the wedge of a groove, and
@@ -84,7 +85,9 @@ IGEO_INLINE bool passesWall(const PsiAround& psi, const Chord& chord, float& off
             return sign * psi.at(p - mean * (sign * far));
         };
         const V there = beyond(reach);
-        found &= (there > kAtSurface) & (there > kept * size);
+        // Along an edge that the interpolant cuts off, psi is hardly more than at the ends.
+        found &= (size > (off < kCutOff ? off : zero) + kAtSurface) & (there > kAtSurface) &
+                 (there > kept * size);
         if (any(found) && any(found & (beyond(reach / 2) > kAtSurface))) return true;
     }
     return false;
