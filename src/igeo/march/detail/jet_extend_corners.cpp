@@ -134,11 +134,11 @@ std::vector<LeafCorners> cornersOfLeaves(const Band& band) {
     std::vector<LeafCorners> all(band.leaves.size());
     parallelFor(all.size(), 16, [&](std::size_t begin, std::size_t end) {
         LeafNumbers<2> numbers;
+        LeafCorners here;  // grows once; what is kept is a copy of the size that it takes
         for (std::size_t l = begin; l < end; ++l) {
             numbers.fill(band, LeafIndex(l));
-            LeafCorners& of = all[l];
-            findCorners(band, LeafIndex(l), numbers, of);
-            of.nodes.shrink_to_fit(), of.most.shrink_to_fit(), of.slots.shrink_to_fit();
+            findCorners(band, LeafIndex(l), numbers, here);
+            all[l] = here;
         }
     });
     return all;
