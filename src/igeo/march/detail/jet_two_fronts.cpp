@@ -266,7 +266,7 @@ private:
         bool smooth = true;
         forLinks(core_, i, [&](NodeIndex j, const Ijk&, const Vec3f& chord, float cosine) {
             smooth &= cosine >= JetLink::kSmooth;
-            if (!jets_.accepted(j) || jets_.labelOf(j) != label) return;
+            if (!smooth || !jets_.accepted(j) || jets_.labelOf(j) != label) return;
             const auto at = solved_.find(j);
             const bool counts =
                 at != solved_.end() && at->second.locus == locus_ && at->second.key < before;
