@@ -25,27 +25,18 @@ bool surelyAgrees(float u, const FermatBounds& bounds, std::size_t lane, bool sm
 
 }  // namespace
 
-/// The fronts of the nodes of a group, and the fits of one or two of them.
-struct JetGroup::Fits {
-    JetFronts fronts;
-    JetFits first, second;
-    JetVerdicts verdicts;
-
-    /// Fits the front of the neighbor that carries the least value; where other neighbors belong to
-    /// another front (a cut locus) that may come first, fits theirs as well.
-    explicit Fits(const JetLanes& lanes) {
-        findFronts(lanes, fronts);
-        fitFronts(lanes, fronts.leadX, fronts.leadY, first);
-        verdicts = judge(fronts, first);
-        if (!verdicts.second) return;
-        Lanes x{}, y{};
-        for (std::size_t k = 0; k < Lanes::kNodes; ++k)
-            if (hasSecond(k)) x[k] = fronts.secondX[k], y[k] = fronts.secondY[k];
-        fitFronts(lanes, x, y, second);
-    }
-    bool hasSecond(std::size_t k) const { return verdicts.second >> k & 1; }
-    bool isClear(std::size_t k) const { return verdicts.clear >> k & 1; }
-};
+/// Fits the front of the neighbor that carries the least value; where other neighbors belong to
+/// another front (a cut locus) that may come first, fits theirs as well.
+void JetGroup::Fits::find(const JetLanes& lanes) {
+    findFronts(lanes, fronts);
+    fitFronts(lanes, fronts.leadX, fronts.leadY, first);
+    verdicts = judge(fronts, first);
+    if (!verdicts.second) return;
+    Lanes x{}, y{};
+    for (std::size_t k = 0; k < Lanes::kNodes; ++k)
+        if (hasSecond(k)) x[k] = fronts.secondX[k], y[k] = fronts.secondY[k];
+    fitFronts(lanes, x, y, second);
+}
 
 /// The least of the fits of a node, and how far it can be trusted.
 struct JetGroup::BestFit {
@@ -71,21 +62,27 @@ struct JetGroup::BestFit {
     }
 };
 
-JetGroup::Solutions JetGroup::solve() {
+void JetGroup::fit() {
     if (!filled_) closeLanes(), lanes_.pad();
-    const Fits fits(lanes_);
+    fits_.find(lanes_);
+    fitted_ = true;
+}
+
+JetGroup::Solutions JetGroup::solve() {
+    fit();
     Solutions solutions;
     unsigned doubts = 0;
     for (std::size_t k = 0; k < size_; ++k)
-        if (fits.isClear(k) && nodes_[k].smooth && nodes_[k].oneSource)
-            solutions[k] = {fits.first.u[k], {fits.first.gx[k], fits.first.gy[k]}, sources_[k][0]};
+        if (fits_.isClear(k) && nodes_[k].smooth && nodes_[k].oneSource)
+            solutions[k] = {
+                fits_.first.u[k], {fits_.first.gx[k], fits_.first.gy[k]}, sources_[k][0]};
         else
             doubts |= 1u << k;
-    if (doubts) solveDoubtful(fits, doubts, solutions);
+    if (doubts) solveDoubtful(doubts, solutions);
     return solutions;
 }
 
-void JetGroup::solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solutions) const {
+void JetGroup::solveDoubtful(unsigned doubts, Solutions& solutions) const {
     BestFits best;
     unsigned inFallback = 0;
     Lanes longest2{};
@@ -93,7 +90,7 @@ void JetGroup::solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solut
         const auto k = std::size_t(std::countr_zero(doubts));
         if (!nodes_[k].oneSource) {
             solutions[k] = solvePerSource(k);
-        } else if (best[k] = bestFit(k, fits); best[k].final) {
+        } else if (best[k] = bestFit(k); best[k].final) {
             solutions[k] = best[k].best;
         } else {
             longest2[k] = nodes_[k].longest2;
@@ -129,20 +126,21 @@ JetGroup::Solution JetGroup::solveAtFold(std::size_t lane) {
     return solveAgain(lane);
 }
 
-JetGroup::Solution JetGroup::solveAgain(std::size_t lane) const {
+JetGroup::Solution JetGroup::solveAgain(std::size_t lane) {
+    if (!fitted_) fit();
     Solutions solutions;
-    solveDoubtful(Fits(lanes_), 1u << lane, solutions);
+    solveDoubtful(1u << lane, solutions);
     return solutions[lane];
 }
 
-JetGroup::BestFit JetGroup::bestFit(std::size_t lane, const Fits& fits) const {
+JetGroup::BestFit JetGroup::bestFit(std::size_t lane) const {
     const Node& node = nodes_[lane];
     BestFit fit;
     if (lanes_.count[lane] == 0) return fit;
     fit.best.source = sources_[lane][0];
-    fit.best.frontsMeet = fits.hasSecond(lane) || fits.first.turn[lane] > FrontsMeet::kTurn;
-    fit.add(fits.first, fits.fronts, lane);
-    if (fits.hasSecond(lane)) fit.add(fits.second, fits.fronts, lane);
+    fit.best.frontsMeet = fits_.hasSecond(lane) || fits_.first.turn[lane] > FrontsMeet::kTurn;
+    fit.add(fits_.first, fits_.fronts, lane);
+    if (fits_.hasSecond(lane)) fit.add(fits_.second, fits_.fronts, lane);
     fit.counts = fit.fromBothSides || !node.rim;
     fit.best.oneSided = !fit.fromBothSides && node.smooth;
     fit.final = fit.valid && fit.counts && fit.clear && node.smooth;

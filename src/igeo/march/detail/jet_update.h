@@ -20,7 +20,7 @@ class JetGroup {
 public:
     /// Takes the nodes out.
     /// @param pull  JetLanes::pull
-    void clear(float pull = 0.005f) { size_ = 0, lanes_.pull = pull, filled_ = false; }
+    void clear(float pull = 0.005f) { size_ = 0, lanes_.pull = pull, filled_ = fitted_ = false; }
     bool full() const { return size_ == Lanes::kNodes; }
     std::size_t size() const { return size_; }
 
@@ -102,13 +102,24 @@ private:
         bool smooth, oneSource, rim;
         float longest2;
     };
-    struct Fits;
+    /// The fronts of the nodes, and the fits of one or two of them.
+    struct Fits {
+        JetFronts fronts;
+        JetFits first, second;
+        JetVerdicts verdicts;
+
+        void find(const JetLanes& lanes);
+        bool hasSecond(std::size_t k) const { return verdicts.second >> k & 1; }
+        bool isClear(std::size_t k) const { return verdicts.clear >> k & 1; }
+    };
     struct BestFit;
-    Solution solveAgain(std::size_t lane) const;
+    Solution solveAgain(std::size_t lane);
+    /// Finds the fits of all nodes.
+    void fit();
     /// @param doubts  bits: the nodes to solve
-    void solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solutions) const;
+    void solveDoubtful(unsigned doubts, Solutions& solutions) const;
     /// What the fits of a node come to.
-    BestFit bestFit(std::size_t lane, const Fits& fits) const;
+    BestFit bestFit(std::size_t lane) const;
     using BestFits = std::array<BestFit, Lanes::kNodes>;
     /// The fits of nodes, or their fallbacks.
     /// @param nodes  bits
@@ -120,10 +131,11 @@ private:
     }
 
     std::size_t size_ = 0;
-    bool filled_ = false;
+    bool filled_ = false, fitted_ = false;
     std::array<Node, Lanes::kNodes> nodes_;
     std::array<std::array<std::uint32_t, JetLanes::kMax>, Lanes::kNodes> sources_;
     JetLanes lanes_;
+    Fits fits_;
 };
 
 /// The jet at the origin from the neighbors of one source, by itself.
