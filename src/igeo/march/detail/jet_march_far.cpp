@@ -16,10 +16,11 @@ JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, 
                                           JetGroup::Solution s) const {
     if (core_.band.triangles) return walkTwoLinks(i, row, s);
     constexpr float kAlike = 0.2f;
-    constexpr float kShorter = 0.25f;  // voxels: than its chord no unfolded line is
-    constexpr float kInPlane = 0.1f;   // voxels
-    constexpr float kAbove = 1e-3f;    // voxels
-    constexpr double kOff = 0.15;      // voxels
+    constexpr float kShorter = 0.25f;   // voxels: than its chord no unfolded line is
+    constexpr float kInPlane = 0.1f;    // voxels
+    constexpr float kAbove = 1e-3f;     // voxels
+    constexpr float kRounding = 1e-3f;  // voxels
+    constexpr double kOff = 0.15;       // voxels
     const JetNode& here = core_.nodes[i];
     const TangentFrame frame(here.normal, core_.band.faceted);
     const Ijk voxel = core_.voxelOf(here);
@@ -30,6 +31,7 @@ JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, 
     for (std::size_t k = 0; k < row.knownCount; ++k)
         least = std::min(least, valueIn(batch, row.knownLink(k).node()) / here.weight);
     std::vector<NodeIndex> seen;  // from several neighbors
+    seen.reserve(JetLinks::kMax);
     const auto lower = [&](NodeIndex k) {
         const float value = valueIn(batch, k) / here.weight;
         if (!(value < s.u) || std::find(seen.begin(), seen.end(), k) != seen.end()) return;
@@ -37,8 +39,9 @@ JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, 
         const JetNode& other = core_.nodes[k];
         if (other.obstacleState != Metric::Clear) return;
         const Vec3f chord = here.foot - other.foot - Vec3f(core_.voxelOf(other) - voxel);
-        if (!(value + length(chord) < s.u + kShorter)) return;
         const float cosine = dot(here.normal, other.normal);
+        // A line over one edge is as long as its chord at least.
+        if (!(value + length(chord) < s.u + (cosine < kAlike ? kRounding : kShorter))) return;
         const Vec2f a = frame.unfold(chord, other.normal, cosine);
         float u;
         if (cosine < kAlike) {
