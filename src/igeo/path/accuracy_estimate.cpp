@@ -83,6 +83,7 @@ double lackingOfFacets(const FitError& fit, double square) {
 struct Bending {
     double square = 0;  ///< of k^2
     double uneven = 0;  ///< of |w(s + apart) - w(s)|^2 / 2: none where S is smooth
+    double arcs = 0;    ///< by which S is longer than the chords between vertices
 };
 
 /// @param path  with normals
@@ -100,9 +101,12 @@ Bending bendingOf(const Path& path, const Rounding& rounding, const std::vector<
         const double bend = dot(change, step) / squared;
         bending.square += bend * bend * len;
         while (next != sharp.end() && next->last < k) ++next;
-        turn[k] = next != sharp.end() && next->first < k
-                      ? turn[k - 1]
-                      : (1 / std::max(len, length(change) / rounding.sharpest)) * change;
+        if (next != sharp.end() && next->first < k) {
+            turn[k] = turn[k - 1];
+        } else {
+            turn[k] = (1 / std::max(len, length(change) / rounding.sharpest)) * change;
+            bending.arcs += bend * bend * squared * len / 24;
+        }
         while (v[k].arcLength - v[before].arcLength > rounding.apart) ++before;
         if (before == 1) continue;
         const Vec3d other = turn[k] - turn[before];
@@ -128,7 +132,7 @@ void addErrorsOfSurface(const Band& band, Path straight, const FitError& fit, Sa
     const std::vector<SharpBend> sharp = sharpBends(band, straight);
     const Bending bending = bendingOf(straight, rounding, sharp);
     const double len = straight.length;
-    sample.difference -= lengthOver(straight, sharp) / len - 1;
+    sample.difference -= (lengthOver(straight, sharp) + bending.arcs) / len - 1;
     sample.rounded =
         rounding.perBend * std::max(0.0, bending.uneven - rounding.byScatter * len) / len;
     sample.rounded = std::max(sample.rounded, lackingOfFacets(fit, bending.square / len));

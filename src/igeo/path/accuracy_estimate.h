@@ -25,10 +25,9 @@ struct AccuracyEstimate {
 /// nearest to such a point, or where triangles are large from a point between voxels: errors are
 /// larger there. Lengths over sharp edges are those over both sheets, where voxels show these.
 /// There are 64 over triangles, where lengths are exact and take little time, and errors differ
-/// much from point to point; 16 elsewhere. The lengths have the small error of straighten(); where
-/// the distances are more accurate than that, the estimate is too high. Both lack what S lacks of
-/// the true surface, so that is added; where the distance is longer than the length and lacks less
-/// of it, the larger counts:
+/// much from point to point; 16 elsewhere. Elsewhere the arcs of S count, not the chords of
+/// straighten(). Both lack what S lacks of the true surface, so that is added; where the distance
+/// is longer than the length and lacks less of it, the larger counts:
 ///  - Edges that voxels round off, or fits to points, as S shows them; or, where that is more, what
 ///    points show of shape that S lacks: beside the geodesics they are farther apart than their
 ///    foot points (stretchShown), or scatter that may be facets about as wide as their spacing.

@@ -18,15 +18,18 @@ struct SheetEnd {
 /// The sheet at vertex k, continued toward the edge by `arc` as it turns before that vertex.
 /// @param step  1 where the edge is behind the vertex, -1 where it is before it
 SheetEnd continued(const Band& band, const Vertices& v, std::size_t k, int step, double arc) {
-    constexpr double kBack = 2;  // voxels
+    constexpr double kBack = 2, kAlike = 0.9;  // voxels; cosine of normals
     const std::size_t outermost = step > 0 ? 0 : v.size() - 1;
-    const Vec3d n = v[k].normal, p = v[k].pIndex;
-    if (k == outermost) {
-        // Psi between voxels may be rounded off here.
-        const NodeIndex i = nearestSurfacePoint(band, p).node;
-        const Vec3d own(band.normal[i]);
-        return {p - dot(p - band.footPoint(i), own) * own, own, {}};
-    }
+    const Vec3d n = v[k].normal;
+    const NodeIndex i = nearestSurfacePoint(band, v[k].pIndex).node;
+    const Vec3d own(band.normal[i]);
+    // Psi between voxels may be uneven here.
+    auto onSheet = [&](const Vec3d& across) {
+        return v[k].pIndex - dot(v[k].pIndex - band.footPoint(i), across) * across;
+    };
+    if (k == outermost) return {onSheet(own), own, {}};
+    // On a quadric the line to another point is normal to the mean of both normals.
+    const Vec3d p = dot(n, own) > kAlike ? onSheet(normalized(n + own)) : v[k].pIndex;
     std::size_t from = k;
     while (from != outermost && std::abs(v[from].arcLength - v[k].arcLength) < kBack)
         from -= std::size_t(step);
@@ -63,20 +66,16 @@ public:
             return side_ * length(r - dot(r, e_) * e_);
         return side_ * std::max(side_ * dot(r, a_.normal), side_ * dot(r, b_.normal));
     }
-    /// The geodesic from point to point.
-    /// @param rounded  its length where the edge is rounded off
-    SharpBend bend(double rounded) const {
+    /// The geodesic from point to point, with both sheets laid flat.
+    SharpBend bend() const {
         const double across = fromA_ + fromB_, straight = std::atan2(along_, across);
         auto angle = [&](const Vec3d& to, const Vec3d& acrossEdge) {
             return to == Vec3d{} ? straight : std::atan2(dot(to, e_), dot(to, acrossEdge));
         };
         SharpBend bend;
-        const double before = angle(a_.along, acrossA_), after = angle(-b_.along, acrossB_);
-        bend.kink = after - before;
-        const double sine = std::cos((before + after) / 2);
-        bend.gain = a_.along == Vec3d{} || b_.along == Vec3d{}
-                        ? std::hypot(across, along_) - rounded
-                        : sine * (across - sine * rounded);
+        bend.length = std::hypot(across, along_);
+        bend.turnBefore = straight - angle(a_.along, acrossA_);
+        bend.turnAfter = angle(-b_.along, acrossB_) - straight;
         return bend;
     }
 
@@ -110,8 +109,9 @@ SharpBend bendBetween(const Band& band, const Vertices& v, std::size_t first, st
         ++seen;
     }
     if (seen < kFewest) return {};
-    SharpBend bend = edge.bend(v[last].arcLength - v[first].arcLength - before - after);
+    SharpBend bend = edge.bend();
     bend.first = first, bend.last = last;
+    bend.from = v[first].arcLength + before, bend.to = v[last].arcLength - after;
     return bend;
 }
 
@@ -142,17 +142,19 @@ std::vector<SharpBend> sharpBends(const Band& band, const Path& path) {
 }
 
 double lengthOver(const Path& path, const std::vector<SharpBend>& bends) {
-    double gain = 0, direction = 0, at = 0, sum = 0, squares = 0;
-    auto goTo = [&](double next) {
-        sum += (next - at) * direction, squares += (next - at) * direction * direction;
-        at = next;
+    double direction = 0, at = 0, x = 0, y = 0;
+    auto go = [&](double length) {
+        x += length * std::cos(direction), y += length * std::sin(direction);
     };
     for (const SharpBend& bend : bends) {
-        goTo((path.vertices[bend.first].arcLength + path.vertices[bend.last].arcLength) / 2);
-        direction += bend.kink, gain += bend.gain;
+        go(bend.from - at);
+        direction += bend.turnBefore;
+        go(bend.length);
+        direction += bend.turnAfter;
+        at = bend.to;
     }
-    goTo(path.length);
-    return path.length + gain - (squares - sum * sum / path.length) / 2;
+    go(path.length - at);
+    return std::hypot(x, y);
 }
 
 }  // namespace igeo

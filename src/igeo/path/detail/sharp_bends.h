@@ -13,8 +13,9 @@ namespace igeo {
 /// both sheets.
 struct SharpBend {
     std::size_t first = 0, last = 0;  ///< vertices on either sheet
-    double gain = 0;                  ///< by which the geodesic over the edge is longer, voxels
-    double kink = 0;                  ///< by which it turns there, with both sheets laid flat
+    double from = 0, to = 0;  ///< arc lengths between which the straight line below takes its place
+    double length = 0;        ///< of that over both sheets laid flat, voxels
+    double turnBefore = 0, turnAfter = 0;  ///< of the geodesic at either end of it, radians
 };
 
 /// The sharp bends of a geodesic. The sheets go on from both sides up to the line where they meet,
@@ -23,8 +24,8 @@ struct SharpBend {
 /// Time O(length).
 std::vector<SharpBend> sharpBends(const Band& band, const Path& path);
 
-/// The length of the shortest curve near a path over its edges: each makes it longer, and where
-/// psi between voxels has turned the path it gets straight, to second order.
+/// The length of the shortest curve near a path over its edges: with all sheets laid flat, the
+/// straight line from end to end. Psi between voxels turns the path at edges.
 double lengthOver(const Path& path, const std::vector<SharpBend>& bends);
 
 }  // namespace igeo
