@@ -13,7 +13,8 @@ namespace igeo {
 struct AccuracyEstimate {
     std::size_t samples = 0;  ///< points at which the distance was compared with a geodesic
     /// Mean of |d - length| / d, in which no sample counts more than samples / 2 times the median
-    /// or than the third largest: one or two that are far off change it little.
+    /// or than the third largest, over triangles the second: one or two that are far off change it
+    /// little.
     double meanError = 0;
     double largestError = 0;  ///< maximum of |d - length| / d
     /// Share of the solved nodes that took the first-order fallback (jet)
