@@ -97,38 +97,56 @@ void addFan(const Band& band, const FanNode& here, std::vector<NodeIndex>& core)
 
 /// A plane of points p with n . p = height.
 struct Plane {
-    Vec3d n;
-    double height;
+    Vec3d n{};
+    double height = kInfinity;
 };
 
-/// The planes of faces that nodes up to two voxels away show, seen from a node; each once.
+/// That of a node a step away, seen from where the step begins.
+Plane planeAt(const Band& band, NodeIndex j, const Ijk& step) {
+    const Vec3d n(band.normal[j]);
+    return {n, dot(n, Vec3d(step)) - double(band.psi[j])};
+}
+bool areSame(const Plane& p, const Plane& q) {
+    constexpr double kSame = 1e-3;
+    return std::abs(p.height - q.height) < kSame && length(p.n - q.n) < kSame;
+}
+
+/// The planes of faces within two voxels, seen from a node; each once. Two nodes beside each other
+/// along an axis show the same: on curved parts of S there are none.
 class PlanesAround {
 public:
     PlanesAround(const Band& band, NodeIndex i) {
-        constexpr int kReach = 2;
+        constexpr int kReach = 2, kSide = 2 * kReach + 1;
+        std::array<Plane, kMost> shown;
         band.forBox(&BandLeaf::band, i, {}, kReach, [&](NodeIndex j, const Ijk& step) {
-            if (j == i || !(std::abs(band.psi[j]) < float(kFanEnd))) return;
-            const Vec3d n(band.normal[j]);
-            const Plane plane{n, dot(n, Vec3d(step)) - double(band.psi[j])};
-            if (std::none_of(begin(), end(), [&](const Plane& p) { return areSame(p, plane); }))
-                planes_[count_++] = plane;
+            if (!(std::abs(band.psi[j]) < float(kFanEnd))) return;
+            const Ijk v = step + Ijk{kReach, kReach, kReach};
+            Plane* const here = &shown[std::size_t((v.x * kSide + v.y) * kSide + v.z)];
+            *here = planeAt(band, j, step);
+            if ((v.z > 0 && areSame(*here, here[-1])) ||
+                (v.y > 0 && areSame(*here, here[-kSide])) ||
+                (v.x > 0 && areSame(*here, here[-kSide * kSide])))
+                add(*here);
         });
     }
     const Plane* begin() const { return planes_.data(); }
     const Plane* end() const { return planes_.data() + count_; }
 
 private:
-    static bool areSame(const Plane& p, const Plane& q) {
-        constexpr double kSame = 1e-3;
-        return length(p.n - q.n) < kSame && std::abs(p.height - q.height) < kSame;
+    static constexpr std::size_t kMost = 125;
+    void add(const Plane& plane) {
+        if (std::none_of(begin(), end(), [&](const Plane& p) { return areSame(p, plane); }))
+            planes_[count_++] = plane;
     }
-    std::array<Plane, 125> planes_;
+    std::array<Plane, kMost> planes_;
     std::size_t count_ = 0;
 };
 
 /// The normal at a node whose nearest point of S is on the edge of two planes, and theirs.
 std::optional<std::array<Vec3f, 3>> normalFromEdge(const Band& band, NodeIndex i) {
     constexpr double kOff = 0.015, kOnS = 0.25;  // voxels
+    // Below this cosine the faces may be those of a wall, whose planes meet anywhere.
+    constexpr double kWall = -0.9;
     const double psi = double(band.psi[i]);
     const Vec3d at(band.ijk(i));
     double least = kOff;
@@ -137,7 +155,7 @@ std::optional<std::array<Vec3f, 3>> normalFromEdge(const Band& band, NodeIndex i
     for (const auto& [a, toA] : planes)
         for (const auto& [b, toB] : planes) {
             const double cosine = dot(a, b), sine2 = 1 - cosine * cosine;
-            if (!(cosine < double(Band::kOtherSheet) && sine2 > 0)) continue;
+            if (!(cosine < double(Band::kOtherSheet) && cosine > kWall)) continue;
             // The nearest point of their line, from the node.
             const double alongA = (toA - cosine * toB) / sine2,
                          alongB = (toB - cosine * toA) / sine2;
@@ -151,6 +169,31 @@ std::optional<std::array<Vec3f, 3>> normalFromEdge(const Band& band, NodeIndex i
     return found;
 }
 
+/// Whether a node shows the same plane as one beside it.
+bool isOnFace(const Band& band, NodeIndex i) {
+    const Plane own = planeAt(band, i, {});
+    for (int face = 0; face < 6; ++face) {
+        const Ijk step = Band::faceStep(face);
+        const NodeIndex j = band.neighbor(i, step);
+        if (j != kNoNode && areSame(planeAt(band, j, step), own)) return true;
+    }
+    return false;
+}
+
+/// Whether a node may be beside an edge of plane faces with which others mix.
+bool mayTurn(const Band& band, const FanNode& here) {
+    const auto anyBeside = [&](const auto& test) {
+        for (int face = 0; face < 6; ++face) {
+            const NodeIndex j = band.neighbor(here.node, Band::faceStep(face));
+            if (j != kNoNode && test(j)) return true;
+        }
+        return false;
+    };
+    return std::abs(here.slope - 1) > kUneven &&
+           anyBeside([&](NodeIndex j) { return band.facing[j] & Band::kFacing; }) &&
+           anyBeside([&](NodeIndex j) { return isOnFace(band, j); });
+}
+
 }  // namespace
 
 std::vector<Link> turnToEdges(Band& band, std::vector<std::vector<FanNode>>& candidates) {
@@ -158,7 +201,7 @@ std::vector<Link> turnToEdges(Band& band, std::vector<std::vector<FanNode>>& can
     parallelFor(candidates.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l)
             for (FanNode& here : candidates[l]) {
-                if (std::abs(here.slope - 1) <= kUneven) continue;
+                if (!mayTurn(band, here)) continue;
                 const auto found = normalFromEdge(band, here.node);
                 if (!found) continue;
                 turned[l].emplace_back(here.node, (*found)[0]);

@@ -44,6 +44,7 @@ std::vector<Link> turnToEdges(Band& band, std::vector<std::vector<FanNode>>& can
 /// whose normals a and b oppose, all three have their foot points on psi = 0, and psi stays near 0
 /// between these. Half-way between two faces, in a wall or a slot that narrows to its edge, a node
 /// has such neighbors too. There |grad psi| is sqrt((1 + a . b) / 2), and in a fan about 1.
+/// Where the edge is known (turnToEdges), neighbors on both of its faces are enough.
 /// @param candidates  of one leaf, say
 /// @param core  nodes that the core takes in (Band::numberCore); one may be there more than once
 /// Time O(candidates).
