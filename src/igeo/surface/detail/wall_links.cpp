@@ -19,6 +19,8 @@ namespace {
 /// points are up to 0.48 off the interpolant's zero set; up to kMostOff of this is compensated.
 constexpr float kAtSurface = 0.03f, kSlack = 0.3f, kMostOff = 0.5f, kSpacing = 0.25f,
                 kCutOff = 0.1f;
+/// Cosine of the normals at both ends of a chord along one face.
+constexpr double kOneFace = 0.95;
 
 /// Where normals are alike (the cosine is above kAlike), psi keeps this share of its value on the
 /// chord beyond the surface in a wall, up to a taper of 20 degrees. In the wedge of a groove, and
@@ -58,6 +60,8 @@ IGEO_INLINE bool passesWall(const PsiAround& psi, const Chord& chord, float& off
     const auto alongA = float(dot(chord.a, chord.along)), alongB = float(dot(chord.b, chord.along)),
                cosine = float(dot(middle, chord.a)), turn = float(kTurn * length),
                kept = dot(chord.a, chord.b) > kAlike ? kKept : 0.0f;
+    // Along an edge that the interpolant cuts off, psi is hardly more than at the ends.
+    const float cutOff = dot(chord.a, chord.b) > kOneFace ? kCutOff : 0.0f;
     const int inside = chord.sides & sideOf(-1) ? -1 : 0,
               outside = chord.sides & sideOf(1) ? -1 : 0,
               pieces = int(std::ceil(length / kSpacing));
@@ -85,8 +89,7 @@ IGEO_INLINE bool passesWall(const PsiAround& psi, const Chord& chord, float& off
             return sign * psi.at(p - mean * (sign * far));
         };
         const V there = beyond(reach);
-        // Along an edge that the interpolant cuts off, psi is hardly more than at the ends.
-        found &= (size > (off < kCutOff ? off : zero) + kAtSurface) & (there > kAtSurface) &
+        found &= (size > (off < cutOff ? off : zero) + kAtSurface) & (there > kAtSurface) &
                  (there > kept * size);
         if (any(found) && any(found & (beyond(reach / 2) > kAtSurface))) return true;
     }
