@@ -7,7 +7,6 @@
 #include <cmath>
 #include <optional>
 #include <span>
-#include <utility>
 
 namespace igeo {
 
@@ -37,7 +36,7 @@ struct Sides {
 /// Those at some neighbors: one that is far from the node's own, and the farthest from that. Those
 /// of the edge that is known, if both faces are among the neighbors.
 Sides sidesAt(const Band& band, const FanNode& here, std::span<const NodeIndex> neighbors) {
-    if (here.a == Vec3f{}) {
+    if (!here.edge) {
         auto farthest = [&](const Vec3f& from) {
             Vec3f to = from;
             for (const NodeIndex j : neighbors)
@@ -52,7 +51,8 @@ Sides sidesAt(const Band& band, const FanNode& here, std::span<const NodeIndex> 
         return std::any_of(neighbors.begin(), neighbors.end(),
                            [&](NodeIndex j) { return dot(n, band.normal[j]) > kOnFace; });
     };
-    return {here.a, here.b, hasFace(here.a) && hasFace(here.b) ? dot(here.a, here.b) : 1.0f};
+    const auto& [normal, a, b] = *here.edge;
+    return {a, b, hasFace(a) && hasFace(b) ? dot(a, b) : 1.0f};
 }
 
 bool isNearSurface(const Band& band, const Vec3d& p) {
@@ -84,9 +84,9 @@ void addFan(const Band& band, const FanNode& here, std::vector<NodeIndex>& core)
     const std::span<const NodeIndex> joined(linked.data(), end);
     const Sides sides = sidesAt(band, here, joined);
     // Beside a known edge the normals of a face may be mixed.
-    const bool known = here.a != Vec3f{};
-    const float apart = known ? 0 : Band::kOtherSheet;
-    if (!sides.oppose() || !(known || here.slope >= std::sqrt((1 + sides.cosine) / 2) + kSteeper))
+    const float apart = here.edge ? 0 : Band::kOtherSheet;
+    if (!sides.oppose() ||
+        !(here.edge || here.slope >= std::sqrt((1 + sides.cosine) / 2) + kSteeper))
         return;
     core.push_back(i);
     for (const NodeIndex j : joined)
@@ -142,18 +142,20 @@ private:
     std::size_t count_ = 0;
 };
 
-/// The normal at a node whose nearest point of S is on the edge of two planes, and theirs.
-std::optional<std::array<Vec3f, 3>> normalFromEdge(const Band& band, NodeIndex i) {
+/// The edge of two planes on which the nearest point of S to a node lies.
+std::optional<FanEdge> edgeOf(const Band& band, NodeIndex i) {
     constexpr double kOff = 0.015, kOnS = 0.25;  // voxels
     // Below this cosine the faces may be those of a wall, whose planes meet anywhere.
     constexpr double kWall = -0.9;
     const double psi = double(band.psi[i]);
     const Vec3d at(band.ijk(i));
     double least = kOff;
-    std::optional<std::array<Vec3f, 3>> found;
+    std::optional<FanEdge> found;
     const PlanesAround planes(band, i);
-    for (const auto& [a, toA] : planes)
-        for (const auto& [b, toB] : planes) {
+    for (const Plane* first = planes.begin(); first != planes.end(); ++first)
+        for (const Plane* second = first + 1; second != planes.end(); ++second) {
+            const auto& [a, toA] = *first;
+            const auto& [b, toB] = *second;
             const double cosine = dot(a, b), sine2 = 1 - cosine * cosine;
             if (!(cosine < double(Band::kOtherSheet) && cosine > kWall)) continue;
             // The nearest point of their line, from the node.
@@ -164,7 +166,7 @@ std::optional<std::array<Vec3f, 3>> normalFromEdge(const Band& band, NodeIndex i
             const double off = std::abs(length(r) - std::abs(psi));
             if (!(off < least && std::abs(psiAt(band, at + r)) < kOnS)) continue;
             least = off;
-            found = {Vec3f(normalized(psi < 0 ? r : -r)), Vec3f(a), Vec3f(b)};
+            found = FanEdge{Vec3f(normalized(psi < 0 ? r : -r)), Vec3f(a), Vec3f(b)};
         }
     return found;
 }
@@ -197,31 +199,28 @@ bool mayTurn(const Band& band, const FanNode& here) {
 }  // namespace
 
 std::vector<Link> turnToEdges(Band& band, std::vector<std::vector<FanNode>>& candidates) {
-    std::vector<std::vector<std::pair<NodeIndex, Vec3f>>> turned(candidates.size());
     parallelFor(candidates.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l)
-            for (FanNode& here : candidates[l]) {
-                if (!mayTurn(band, here)) continue;
-                const auto found = normalFromEdge(band, here.node);
-                if (!found) continue;
-                turned[l].emplace_back(here.node, (*found)[0]);
-                here.a = (*found)[1], here.b = (*found)[2];
-            }
+            for (FanNode& here : candidates[l])
+                if (mayTurn(band, here)) here.edge = edgeOf(band, here.node);
     });
-    for (const auto& part : turned)
-        for (const auto& [i, normal] : part) band.normal[i] = normal;
+    const auto forTurned = [&](const auto& visit) {
+        for (const auto& part : candidates)
+            for (const FanNode& here : part)
+                if (here.edge) visit(here);
+    };
+    forTurned([&](const FanNode& here) { band.normal[here.node] = here.edge->normal; });
     std::vector<Link> leaving;
-    for (const auto& part : turned)
-        for (const auto& [node, normal] : part) {
-            const NodeIndex i = node;
-            band.markFacing(i);
-            const Vec3d foot = band.footPoint(i);
-            band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
-                if (dot(band.normal[i], band.normal[j]) >= Band::kOtherSheet &&
-                    !isNearSurface(band, 0.5 * (foot + band.footPoint(j))))
-                    leaving.emplace_back(i, j);
-            });
-        }
+    forTurned([&](const FanNode& here) {
+        const NodeIndex i = here.node;
+        band.markFacing(i);
+        const Vec3d foot = band.footPoint(i);
+        band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
+            if (dot(band.normal[i], band.normal[j]) >= Band::kOtherSheet &&
+                !isNearSurface(band, 0.5 * (foot + band.footPoint(j))))
+                leaving.emplace_back(i, j);
+        });
+    });
     return leaving;
 }
 
@@ -229,7 +228,7 @@ void addFans(const Band& band, const std::vector<FanNode>& candidates,
              std::vector<NodeIndex>& core) {
     constexpr float kLeastSlope = 0.5f;
     for (const FanNode& here : candidates)
-        if ((here.a != Vec3f{} || here.slope > kLeastSlope) && mayFan(band, here.node))
+        if ((here.edge || here.slope > kLeastSlope) && mayFan(band, here.node))
             addFan(band, here, core);
 }
 

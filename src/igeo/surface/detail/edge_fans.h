@@ -3,15 +3,21 @@
 
 #include <igeo/band/band.h>
 
+#include <optional>
 #include <vector>
 
 namespace igeo {
 
+/// The edge in which the foot point of a node lies: unit normals there and of its two faces.
+struct FanEdge {
+    Vec3f normal, a, b;
+};
+
 /// A node that may be of a fan.
 struct FanNode {
     NodeIndex node;
-    float slope;     ///< length of the central difference of psi
-    Vec3f a{}, b{};  ///< unit normals of the faces in whose edge its foot point lies (turnToEdges)
+    float slope;                    ///< length of the central difference of psi
+    std::optional<FanEdge> edge{};  ///< as turnToEdges finds it
 };
 
 /// Fans lie this far from S, in voxels. Nearer nodes are of the core, as Band::numberCore has it,
@@ -28,7 +34,7 @@ constexpr float kBesideFan = 1;
 /// Beside a second edge as near as two voxels, differences of psi mix both. But the faces that meet
 /// in an edge show it: where their planes, at two neighbors whose normals oppose, meet in a line as
 /// far from the node as S, and the node is in the fan between their normals, the normal comes from
-/// there. The candidate keeps the normals of the faces.
+/// there. The candidate keeps the edge.
 /// @param candidates  per leaf
 /// @return links of turned nodes from which psi leaves S: they would lead from edge to edge through
 ///         a wall
