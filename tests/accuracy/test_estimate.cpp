@@ -251,16 +251,22 @@ TEST_CASE("the estimate of a mesh is near the real error, smooth or creased", "[
     const Factors creased("box, mesh", Surface(turnedBox(), {.size = kVoxel}), onTurnedBox);
     CHECK(creased.least > 0.55);  // measured 0.83
     CHECK(creased.most < 1.85);   // 1.23
-    // Between foot points errors are larger, and large triangles have no vertices there.
-    const Prism prism{3};
-    const Factors coarse(
-        "prism, large triangles", Surface(prism.mesh(), {.size = kVoxel}),
-        [&](const Point& p, const Point& q) {
-            return prism.between(turn()->worldToIndex(p), turn()->worldToIndex(q));
-        },
-        prism.points(3000));
-    CHECK(coarse.least > 0.46);  // measured 0.70
-    CHECK(coarse.most < 1.55);   // 1.03
+    // Between foot points errors are larger, and large triangles have no vertices there. Those
+    // beside the ends of edges are most of the mean, and a rough path that leads another way is a
+    // false one. Of the prisms of 3 to 24 sides before, 11 of 110 factors were outside of 1/3 to 3,
+    // from 0.19 to 28; now one, 0.30.
+    for (const int sides : {3, 8, 12}) {
+        const Prism prism{sides};
+        const Factors coarse(
+            "large triangles, " + std::to_string(sides) + " sides",
+            Surface(prism.mesh(), {.size = kVoxel}),
+            [&](const Point& p, const Point& q) {
+                return prism.between(turn()->worldToIndex(p), turn()->worldToIndex(q));
+            },
+            prism.points(3000));
+        CHECK(coarse.least > 0.3);
+        CHECK(coarse.most < 3);
+    }
 }
 
 // Creased: "The estimate sees how far fits to points round edges off" of test_points.cpp.

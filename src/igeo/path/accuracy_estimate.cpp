@@ -9,7 +9,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <numeric>
 
 namespace igeo {
 
@@ -27,17 +29,21 @@ Vec3d besideFoot(const SurfaceTriangles& triangles, const Vec3d& foot) {
     return best;
 }
 
-/// The mean, in which the largest `few` values count as the next one, unless half their number
-/// times the median is more: one or two that are far off add little. Where most are zero, as those
-/// on the face of the seed, the others count.
-double steadyMean(std::vector<double> values, std::size_t few) {
+double meanOf(const std::vector<double>& values) {
+    if (values.empty()) return 0;
+    return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+}
+
+/// The mean, in which the two largest values count as the third, unless half their number times
+/// the median is more: one or two that are far off add little.
+double steadyMeanOf(std::vector<double> values) {
     if (values.empty()) return 0;
     std::sort(values.begin(), values.end());
     const std::size_t n = values.size();
-    const double most = std::max(values[n - std::min(n, few + 1)], double(n) / 2 * values[n / 2]);
-    double sum = 0;
-    for (const double x : values) sum += std::min(x, most);
-    return sum / double(values.size());
+    const double most =
+        std::max(values[n - std::min<std::size_t>(n, 3)], double(n) / 2 * values[n / 2]);
+    for (double& x : values) x = std::min(x, most);
+    return meanOf(values);
 }
 
 /// How S rounds an edge off. A geodesic over an edge of angle a becomes shorter by a share of a^2,
@@ -157,8 +163,15 @@ std::vector<double> errorsOf(const std::vector<Sample>& samples) {
     return errors;
 }
 
-/// Nodes spread over what the field reaches.
-std::vector<NodeIndex> spread(const Field& field, std::size_t count) {
+/// Whether the two largest values are more than 30 % of the sum.
+bool fewDecide(std::vector<double> values) {
+    if (values.size() < 3) return true;
+    std::partial_sort(values.begin(), values.begin() + 2, values.end(), std::greater<>());
+    return values[0] + values[1] > 0.3 * double(values.size()) * meanOf(values);
+}
+
+/// Nodes spread over what the field reaches, each in the middle or at the beginning of its part.
+std::vector<NodeIndex> spread(const Field& field, std::size_t count, bool middle) {
     constexpr std::size_t kMostTried = 1 << 16;
     const std::size_t size = field.band->size();
     std::vector<NodeIndex> reached;
@@ -172,47 +185,70 @@ std::vector<NodeIndex> spread(const Field& field, std::size_t count) {
     }
     std::vector<NodeIndex> nodes(count);
     for (std::size_t k = 0; k < count; ++k)
-        nodes[k] = reached.empty() ? NodeIndex((2 * k + 1) * size / (2 * count))
-                                   : reached[(2 * k + 1) * reached.size() / (2 * count)];
+        nodes[k] = reached.empty() ? NodeIndex((2 * k + middle) * size / (2 * count))
+                                   : reached[(2 * k + middle) * reached.size() / (2 * count)];
     return nodes;
+}
+
+/// A path that is longer than its distance by this share may lead another way.
+constexpr double kOtherWay = 1e-3;
+
+/// The error of the geodesic from each node; on a mesh, of every other one from a point beside it.
+void takeSamples(const Field& field, const FitError& fit, const std::vector<NodeIndex>& nodes,
+                 Progress& progress, std::vector<Sample>& samples) {
+    const Band& band = *field.band;
+    const bool exact = hasExactCurves(field);
+    // Close to a seed the distance is exact by construction, and would lower the estimate. On a
+    // surface that ends there, only the farther half is left.
+    const double near = std::min(3 * field.startRadius, field.maxDistance / 2);
+    const std::size_t before = samples.size();
+    samples.resize(before + nodes.size());
+    const auto take = [&](const SurfacePoint& from, bool rough) {
+        // Straightening forgives coarse steps.
+        TraceOptions trace{.maxStep = 2, .tolerance = 0.01};
+        trace.rough = rough;
+        const Path path = tracePath(field, from, trace);
+        Sample sample;
+        if (path.status != PathStatus::Reached || path.distance < near) return sample;
+        const Path straight = straightened(field, path, progress);
+        const double start = field.seeds[path.seed].start;
+        sample.found = true;
+        sample.difference = (path.distance - start - straight.weightedLength) / path.distance;
+        if (!band.triangles) addErrorsOfSurface(band, straight, fit, sample);
+        return sample;
+    };
+    parallelFor(nodes.size(), 1, progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            Vec3d p = band.footPoint(nodes[k]);
+            if (band.triangles && k % 2 == 1) p = besideFoot(*band.triangles, p);
+            const SurfacePoint from = nearestSurfacePoint(band, p);
+            Sample& sample = samples[before + k];
+            sample = take(from, exact);
+            if (!exact || !(sample.difference < -kOtherWay)) continue;
+            // A rough path may lead another way than the distance.
+            const Sample again = take(from, false);
+            if (again.found && again.difference > sample.difference) sample = again;
+        }
+    });
 }
 
 }  // namespace
 
 AccuracyEstimate estimateAccuracy(const Field& field, const FitError& fit, Progress& progress) {
-    constexpr std::size_t kOnTriangles = 64, kElsewhere = 16;
-    const Band& band = *field.band;
     AccuracyEstimate e;
-    if (band.size() == 0) return e;
+    if (field.band->size() == 0) return e;
     if (field.solved) e.fallbackShare = double(field.fallbackCount) / double(field.solved);
-    // Straightening forgives coarse steps.
-    TraceOptions trace{.maxStep = 2, .tolerance = 0.01};
-    trace.rough = hasExactCurves(field);
-    const std::size_t samples = trace.rough ? kOnTriangles : kElsewhere;
-    const std::vector<NodeIndex> nodes = spread(field, samples);
-    // Close to a seed the distance is exact by construction, and would lower the estimate. On a
-    // surface that ends there, only the farther half is left.
-    const double near = std::min(3 * field.startRadius, field.maxDistance / 2);
-    std::vector<Sample> sampled(samples);
-    parallelFor(samples, 1, progress, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-            Vec3d p = band.footPoint(nodes[k]);
-            if (band.triangles && k % 2 == 1) p = besideFoot(*band.triangles, p);
-            const Path path = tracePath(field, nearestSurfacePoint(band, p), trace);
-            if (path.status != PathStatus::Reached || path.distance < near) continue;
-            const Path straight = straightened(field, path, progress);
-            const double start = field.seeds[path.seed].start;
-            sampled[k].found = true;
-            sampled[k].difference =
-                (path.distance - start - straight.weightedLength) / path.distance;
-            if (!band.triangles) addErrorsOfSurface(band, straight, fit, sampled[k]);
-        }
-    });
-    const std::vector<double> error = errorsOf(sampled);
+    const bool exact = hasExactCurves(field);
+    const std::size_t count = exact ? 64 : 16;
+    std::vector<Sample> samples;
+    takeSamples(field, fit, spread(field, count, true), progress, samples);
+    // Errors beside corners may be most of the sum: as many samples again find more of them.
+    if (exact && fewDecide(errorsOf(samples)))
+        takeSamples(field, fit, spread(field, count, false), progress, samples);
+    const std::vector<double> error = errorsOf(samples);
     e.samples = error.size();
-    // Of paths over triangles hardly any goes another way than the distance; a few errors beside
-    // corners are half the mean.
-    e.meanError = steadyMean(error, trace.rough ? 1 : 2);
+    // Paths over triangles that lead another way are traced again; elsewhere one or two may remain.
+    e.meanError = exact ? meanOf(error) : steadyMeanOf(error);
     for (const double x : error) e.largestError = std::max(e.largestError, x);
     return e;
 }
