@@ -2,7 +2,7 @@
 
 #include <igeo/band/detail/chord.h>
 #include <igeo/march/detail/jet_blend.h>
-#include <igeo/march/detail/jet_two_fronts.h>
+#include <igeo/march/detail/jet_two_fronts_fit.h>
 #include <igeo/march/detail/mesh_read.h>
 
 namespace igeo {
