@@ -84,20 +84,22 @@ private:
 }  // namespace
 
 void findCorners(const Band& band, LeafIndex l, const LeafNumbers<2>& numbers, LeafCorners& to) {
-    auto& [nodes, coreCount, most, slots] = to;
+    std::vector<std::uint32_t>& nodes = to.nodes;
+    std::vector<CornerSlot>& slots = to.slots;
     // Which nodes are in the core changes from one to the next: no branches.
     const LeafNodes& core = band.leaves[l].core;
     std::array<std::uint32_t, 512> outside;
     std::size_t outsideCount = 0;
     std::uint32_t rank = 0;
     nodes.resize(band.leaves[l].band.count + 1);  // one more is written
-    coreCount = 0;
+    std::size_t coreCount = 0;
     band.forNodes(l, [&](NodeIndex, unsigned at) {
         const std::size_t isCore = core.mask[at >> 6] >> (at & 63) & 1;
         nodes[coreCount] = outside[outsideCount] = rank++ << 16 | at;
         coreCount += isCore, outsideCount += 1 - isCore;
     });
     nodes.pop_back();
+    to.coreCount = coreCount;
 
     std::array<NodeCorners, 512> corners;
     LeafSearch search(band, l, numbers);
@@ -109,13 +111,13 @@ void findCorners(const Band& band, LeafIndex l, const LeafNumbers<2>& numbers, L
     for (std::size_t k = 0; k < outsideCount; ++k)
         order[begin[corners[k].count]++] = std::uint16_t(k);
 
-    most.clear(), slots.clear();
+    to.most.clear(), slots.clear();
     CornerSlot none{};
     none.node.fill(kNoNode);
     for (std::size_t k = 0; k < outsideCount; k += Lanes::kNodes) {
         const std::size_t end = std::min(k + Lanes::kNodes, outsideCount), first = slots.size();
-        most.push_back(corners[order[end - 1]].count);
-        slots.resize(first + most.back(), none);
+        to.most.push_back(corners[order[end - 1]].count);
+        slots.resize(first + to.most.back(), none);
         for (std::size_t n = k; n < end; ++n) {
             const std::uint32_t node = nodes[coreCount + n] = outside[order[n]];
             const NodeCorners& of = corners[order[n]];

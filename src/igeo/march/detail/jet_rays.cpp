@@ -9,8 +9,7 @@ namespace igeo {
 
 namespace {
 
-constexpr int kSteps = 3;
-constexpr float kStep = MeetingPoint::kLength / kSteps, kLength = MeetingPoint::kLength;
+constexpr float kLength = MeetingPoint::kLength;
 
 Vec2f rotated(Vec2f v, float angle) {
     const float c = std::cos(angle), s = std::sin(angle);
@@ -61,8 +60,9 @@ public:
     /// Ends the searches. A lane takes the next one as soon as one has ended.
     void run(std::span<RaySearch> searches) {
         while (begin(searches)) {
+            constexpr int kSteps = 3;
             for (int k = 1; k <= kSteps; ++k) {
-                lookAhead(kStep, rays_, points_);
+                lookAhead(kLength / kSteps, rays_, points_);
                 findCorners(rays_.valid, rays_.cell, points_);
                 if (k < kSteps)
                     gatherCornersOfS(jets_, points_, corners_);
