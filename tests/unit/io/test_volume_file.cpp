@@ -401,7 +401,7 @@ TEST_CASE("NRRD without space directions takes spacings and the ranges of axes",
                                          {"axis mins: 1\n", "1 axis mins; 3"},
                                          {"axis maxs: 1 2 3 4\n", "4 axis maxs; 3"},
                                          {"axis mins: 1 1 1\naxis maxs: 1 2 2\n", "no length"}})
-        expectError(Kind::BadInput, {"a.nrrd", phrase}, [&] { read(fields); });
+        expectError(Kind::BadInput, {"a.nrrd", phrase}, [&, &text = fields] { read(text); });
     CHECK(readVolume(dir.write("b.nrrd",
                                "\xEF\xBB\xBF" + kNrrd + "encoding: raw\n\n" + bytesOf(counted())))
               .values == counted());
