@@ -99,14 +99,23 @@ void Band::numberCore(const std::vector<NodeIndex>& rim) {
     // Half of an edge, and a margin for a psi that is 10 % off: where S has a hole in the core,
     // fronts would go around it.
     constexpr float kHalfEdge = 0.55f, kUnit = 1.01f;  // no normal is longer
+    // psi of a level set may be off by more, and hold the nearer end so far from S.
+    constexpr float kRoughHalf = 0.75f;
+    const bool isLevelSet = foot.empty();
+    const float farthest = isLevelSet ? kRoughHalf : kHalfEdge;
     // Whether the other end of the edge that S crosses lies on another sheet, in a plate thinner
-    // than a voxel: then this end is the nearest of its own.
-    auto otherSheetBehind = [&](NodeIndex i, const Vec3f& n, float most) {
+    // than a voxel: then this end is the nearest of its own. Or psi changes along the edge by more
+    // than a distance does, and this end is the nearer one.
+    auto isEndOfEdge = [&](NodeIndex i, const Vec3f& n, float most) {
         Ijk step{};
         const int axis = std::abs(n.x) == most ? 0 : std::abs(n.y) == most ? 1 : 2;
         step[axis] = (n[axis] < 0) == (psi[i] < 0) ? -1 : 1;
         const NodeIndex j = neighbor(i, step);
-        return j != kNoNode && dot(n, normal[j]) < kOtherSheet;
+        if (j == kNoNode) return false;
+        const float here = std::abs(psi[i]), there = std::abs(psi[j]);
+        return (facing[i] && here <= most && dot(n, normal[j]) < kOtherSheet) ||
+               (isLevelSet && (psi[i] < 0) != (psi[j] < 0) && here <= there &&
+                here + there > 2 * kHalfEdge * most);
     };
     parallelFor(leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
@@ -119,8 +128,8 @@ void Band::numberCore(const std::vector<NodeIndex>& rim) {
             std::size_t count = 0;
             for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i) {
                 some[count] = i;
-                count += std::size_t(std::abs(psi[i]) <= kUnit * kHalfEdge) |
-                         std::size_t(facing[i] != 0);
+                count +=
+                    std::size_t(std::abs(psi[i]) <= kUnit * farthest) | std::size_t(facing[i] != 0);
             }
             for (std::size_t k = 0; k < count; ++k) {
                 const NodeIndex i = some[k];
@@ -128,7 +137,7 @@ void Band::numberCore(const std::vector<NodeIndex>& rim) {
                 const float most = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}),
                             edges = std::abs(psi[i]);
                 bool is = edges <= kHalfEdge * most;
-                if (facing[i]) is |= edges <= most && otherSheetBehind(i, n, most);
+                if (!is && (facing[i] || edges <= farthest * most)) is = isEndOfEdge(i, n, most);
                 core.mask[offset_[i] >> 6] |= std::uint64_t(is) << (offset_[i] & 63);
             }
         }
