@@ -219,6 +219,37 @@ TEST_CASE("mesh junctions: points in all edges of one triangle", "[mesh]") {
     }
 }
 
+TEST_CASE("mesh junctions: triangles without area leave their longest edge to its points",
+          "[mesh]") {
+    for (const bool fin : {false, true}) {
+        TriangleMesh mesh;
+        for (const Vec3d& p : {Vec3d{0, 0, 0},
+                               {3, 0, 0},
+                               {7, 0, 0},
+                               {9, 0, 0},
+                               {9, -9, 0},
+                               {0, -9, 0},
+                               {0, 9, 0},
+                               {9, 9, 0},
+                               {4, 0, 5}})
+            mesh.points.push_back(kPlaces[1](p));
+        mesh.triangles = {{0, 5, 4}, {0, 4, 3}, {0, 3, 2}, {0, 2, 1},
+                          {0, 1, 6}, {1, 2, 6}, {2, 7, 6}, {2, 3, 7}};
+        // A third triangle at the longest edge: the one without area there stays, in two pieces.
+        if (fin) mesh.triangles.push_back({0, 3, 8});
+        splitAtJunctions(mesh);
+        CHECK(mesh.junctions == (fin ? 1 : 2));  // before, 0
+        CHECK(mesh.triangles.size() == (fin ? 9 : 8));
+        CHECK(meshTopology(mesh).boundaryEdges == (fin ? 8 : 6));
+        const auto flat = std::count_if(
+            mesh.triangles.begin(), mesh.triangles.end(), [&](const TriangleMesh::Triangle& t) {
+                const Vec3d &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
+                return length(cross(b - a, c - a)) < 1e-9;
+            });
+        CHECK(flat == (fin ? 2 : 0));  // before, 2
+    }
+}
+
 TEST_CASE("mesh junctions: faces that cross are counted as given, not in pieces", "[mesh]") {
     // A hem of small squares below a large triangle, which becomes a fan of 100 pieces.
     constexpr std::uint32_t kPieces = 100;

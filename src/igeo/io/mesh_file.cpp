@@ -73,16 +73,21 @@ void requireRoom(std::size_t points, const std::string& file) {
 }
 
 /// Triangulates a polygon by cutting ears: the corner with the best triangle that contains no other
-/// corner goes first. Assimp's own triangulation ends the process on some polygons.
-/// Time O(corners^2).
+/// corner goes first. A corner in a side of the triangle counts as in it, whatever the rounding:
+/// else triangles of polygons with corners in one line overlap. Assimp's own triangulation ends the
+/// process on some polygons. Time O(corners^2).
 class EarCutter {
 public:
     EarCutter(std::vector<std::uint32_t> corners, TriangleMesh& mesh)
         : corners_(std::move(corners)), mesh_(mesh), p_(mesh.points) {
         const std::size_t n = corners_.size();
-        for (std::size_t k = 0; k < n; ++k)
-            normal_ += cross(p_[corners_[k]] - p_[corners_[0]],
-                             p_[corners_[(k + 1) % n]] - p_[corners_[0]]);
+        double size = 0;
+        for (std::size_t k = 0; k < n; ++k) {
+            const Vec3d at = p_[corners_[k]] - p_[corners_[0]];
+            normal_ += cross(at, p_[corners_[(k + 1) % n]] - p_[corners_[0]]);
+            size = std::max(size, length(at));
+        }
+        room_ = TriangleMesh::kSame * size * length(normal_);
     }
 
     void cut() {
@@ -99,20 +104,27 @@ public:
     }
 
 private:
+    /// Where a corner is to a triangle.
+    struct Counts {
+        std::size_t inside = 0;  ///< with those in its sides
+        std::size_t close = 0;   ///< these, and what rounding may have put beside its sides
+    };
     struct Ear {
         std::array<std::uint32_t, 3> corners;
-        double shape;        ///< largest for an equilateral triangle, negative where it is concave
-        std::size_t inside;  ///< number of other corners inside
+        double shape;  ///< largest for an equilateral triangle, negative where it is concave
+        Counts others;
     };
 
     Ear earAt(std::size_t k) const {
         const std::size_t n = corners_.size();
-        Ear ear{{corners_[(k + n - 1) % n], corners_[k], corners_[(k + 1) % n]}, 0, 0};
+        Ear ear{{corners_[(k + n - 1) % n], corners_[k], corners_[(k + 1) % n]}, 0, {}};
         const Vec3d &a = p_[ear.corners[0]], &b = p_[ear.corners[1]], &c = p_[ear.corners[2]];
         const double sides = dot(b - a, b - a) + dot(c - b, c - b) + dot(a - c, a - c);
         ear.shape = left(a, b, c) / std::max(sides, 1e-300);
-        ear.inside = std::size_t(std::count_if(corners_.begin(), corners_.end(),
-                                               [&](std::uint32_t i) { return holds(ear, i); }));
+        for (const std::uint32_t i : corners_) {
+            const Counts one = countsOf(ear, i);
+            ear.others.inside += one.inside, ear.others.close += one.close;
+        }
         return ear;
     }
 
@@ -120,15 +132,26 @@ private:
         return dot(cross(to - from, q - from), normal_);
     }
 
-    bool holds(const Ear& ear, std::uint32_t i) const {
-        const auto& [ia, ib, ic] = ear.corners;
-        if (i == ia || i == ib || i == ic) return false;
-        const Vec3d &a = p_[ia], &b = p_[ib], &c = p_[ic], &q = p_[i];
-        return left(a, b, q) >= 0 && left(b, c, q) >= 0 && left(c, a, q) >= 0;
+    /// A corner at a corner of the triangle counts as outside: a polygon around holes passes twice
+    /// where it goes in to one.
+    Counts countsOf(const Ear& ear, std::uint32_t i) const {
+        const Vec3d &a = p_[ear.corners[0]], &b = p_[ear.corners[1]], &c = p_[ear.corners[2]],
+                    &q = p_[i];
+        if (q == a || q == b || q == c) return {};
+        const double ab = left(a, b, q), bc = left(b, c, q), ca = left(c, a, q);
+        const bool isClose = ab >= -room_ * length(b - a) && bc >= -room_ * length(c - b) &&
+                             ca >= -room_ * length(a - c);
+        return {ab >= 0 && bc >= 0 && ca >= 0, isClose};
     }
 
+    /// First ears without others close to them, then flat corners, other ears, concave corners, and
+    /// triangles with others inside.
     double quality(const Ear& ear) const {
-        return ear.inside == 0 ? ear.shape : std::min(ear.shape, 0.0) - 1e6 * length(normal_);
+        constexpr double kBehindFlat = 1e-9;
+        if (ear.others.inside > 0) return std::min(ear.shape, 0.0) - 1e6 * length(normal_);
+        return ear.others.close == 0 || ear.shape <= 0
+                   ? ear.shape
+                   : kBehindFlat * (ear.shape - length(normal_));
     }
 
     void remove(std::size_t k) {
@@ -136,8 +159,10 @@ private:
         mesh_.triangles.push_back(ears_[k].corners);
         corners_.erase(corners_.begin() + std::ptrdiff_t(k));
         ears_.erase(ears_.begin() + std::ptrdiff_t(k));
-        for (Ear& ear : ears_)
-            if (holds(ear, gone)) --ear.inside;
+        for (Ear& ear : ears_) {
+            const Counts one = countsOf(ear, gone);
+            ear.others.inside -= one.inside, ear.others.close -= one.close;
+        }
         const std::size_t n = corners_.size();
         for (const std::size_t beside : {(k + n - 1) % n, k % n}) ears_[beside] = earAt(beside);
     }
@@ -146,6 +171,7 @@ private:
     TriangleMesh& mesh_;
     const std::vector<Vec3d>& p_;
     Vec3d normal_;  ///< Newell's normal, twice the area long
+    double room_;   ///< for rounding: as far from a side one unit long, times its length
     std::vector<Ear> ears_;
 };
 

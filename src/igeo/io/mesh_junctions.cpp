@@ -137,10 +137,41 @@ void cut(std::array<std::vector<PointNumber>, 3> sides, const std::vector<Vec3d>
         pieces.push_back({third, opposite[k - 1], opposite[k]});
 }
 
+/// The triangles without area that join others along an edge, whose middle corner becomes a
+/// junction. Not at edges of three triangles, nor at a corner that no other triangle has.
+std::vector<bool> triangleSeams(const TriangleMesh& mesh) {
+    std::vector<bool> isSeam(mesh.triangles.size()), hasArea(mesh.points.size());
+    bool any = false;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const auto& [a, b, c] = mesh.triangles[t];
+        isSeam[t] = TriangleCorners(mesh.points[a], mesh.points[b], mesh.points[c]).flat;
+        any |= isSeam[t];
+        if (!isSeam[t]) hasArea[a] = hasArea[b] = hasArea[c] = true;
+    }
+    if (!any) return {};
+    forEdges(mesh.points.size(), mesh.triangles, [&](const HalfEdge* first, const HalfEdge* last) {
+        for (const HalfEdge* e = first; e < last; ++e)
+            if (last - first > 2 || !hasArea[e->low] || !hasArea[e->high])
+                isSeam[e->triangle] = false;
+    });
+    return isSeam;
+}
+
+/// Leaves triangles out.
+void remove(const std::vector<bool>& which, std::vector<TriangleMesh::Triangle>& triangles) {
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < which.size(); ++t)
+        if (!which[t]) triangles[kept++] = triangles[t];
+    triangles.resize(kept);
+}
+
 }  // namespace
 
 void splitAtJunctions(TriangleMesh& mesh) {
     mesh.unsplit.clear();
+    if (const std::vector<bool> seams = triangleSeams(mesh);
+        std::count(seams.begin(), seams.end(), true) > 0)
+        remove(seams, mesh.triangles);
     const std::vector<Junction> junctions = Junctions(mesh).found();
     if (junctions.empty()) return;
     std::vector<TriangleMesh::Triangle> pieces;

@@ -23,7 +23,7 @@ struct TriangleMesh {
     std::size_t dropped = 0;            ///< triangles with two equal corners, or duplicates
     std::size_t repeated = 0;           ///< of these the duplicates
     std::size_t junctions = 0;          ///< points at which splitAtJunctions() split edges
-    std::vector<Triangle> unsplit;      ///< the triangles before; empty unless it split some
+    std::vector<Triangle> unsplit;      ///< those with area before; empty unless it split some
     std::vector<std::string> warnings;  ///< for the user, one sentence each
 
     /// Points this close are the same, as a share of the diagonal of the bounding box.
@@ -42,17 +42,20 @@ struct TriangleMesh {
 /// merged into it.
 /// Files with a point per corner (STL) hold each point several times, rounded in different ways:
 /// single precision is good to 6e-8 of the coordinate. A triangle with three corners on one line
-/// stays, because it joins its neighbors. Keeps the order of the rest, and fills pointOfVertex
-/// where there is a source, whose vertices are the points in their order. Time O(n).
+/// stays, because it joins its neighbors, up to splitAtJunctions(). Keeps the order of the rest,
+/// and fills pointOfVertex where there is a source, whose vertices are the points in their order.
+/// Time O(n).
 void weld(TriangleMesh& mesh);
 
 /// Splits the boundary edges in which the corners of other triangles lie, so that both sides have
 /// the same edges: as where the last row of a fine grid ends on the edge of a large triangle.
 ///
 /// A point splits an edge within kSame of it, as in weld(), if a boundary edge that ends in the
-/// point runs along it. A point that only touches does not. The pieces of a triangle take its place
-/// in the order of triangles; points and source stay. Counts the points in `junctions`, and keeps
-/// the triangles as they were in `unsplit`.
+/// point runs along it. A point that only touches does not. Triangles without area are left out
+/// first, so that their middle corner splits the triangle beyond their longest edge: not at edges
+/// of three triangles, nor where a corner has no others. The pieces of a triangle take its place in
+/// the order of triangles; points and source stay. Counts the points in `junctions`, and keeps the
+/// triangles as they were in `unsplit`.
 /// @param mesh  welded
 /// Time O(n log n) for n boundary edges, and O(triangles).
 void splitAtJunctions(TriangleMesh& mesh);

@@ -52,6 +52,36 @@ WalkEnds shortest(const std::vector<WalkEnds>& lines) {
     });
 }
 
+TEST_CASE("MeshFan: lines over triangles without area are as long as the edge that these lie in") {
+    // Below a line of four points one triangle, above it three, and between them two without area.
+    constexpr int kTurns = 100;
+    double least = kInfinity, most = 0;
+    for (int n = 0; n < kTurns; ++n) {
+        TriangleMesh mesh;
+        const double a = 0.37 * n, b = 0.61 * n;
+        for (const Vec2d& p :
+             {Vec2d{0, 0}, {3, 0}, {7, 0}, {9, 0}, {9, -9}, {0, -9}, {0, 9}, {9, 9}}) {
+            const double x = std::cos(a) * p.x - std::sin(a) * p.y,
+                         y = std::sin(a) * p.x + std::cos(a) * p.y;
+            mesh.points.push_back({x, std::cos(b) * y, std::sin(b) * y});
+        }
+        mesh.triangles = {{0, 5, 4}, {0, 4, 3}, {0, 3, 2}, {0, 2, 1},
+                          {0, 1, 6}, {1, 2, 6}, {2, 7, 6}, {2, 3, 7}};
+        const SurfaceTriangles triangles(mesh.points, mesh.triangles, meshTopology(mesh).neighbor);
+        for (std::uint32_t from = 0; from < 4; ++from) {
+            const Vec3d p = mesh.points[from];
+            const MeshFan<SurfaceTriangles> fan(triangles, {triangles.nearest(p).triangle, p}, 12);
+            for (std::uint32_t to = 0; to < 4; ++to)
+                for (const WalkEnds& line : linesTo(triangles, fan, mesh.points[to])) {
+                    const double off = line.length - length(mesh.points[to] - p);
+                    least = std::min(least, off), most = std::max(most, off);
+                }
+        }
+    }
+    CHECK(least > -1e-9);  // before, -9
+    CHECK(most < 1e-9);    // before, 9
+}
+
 TEST_CASE("MeshFan: lines end at a vertex, in the triangle from which they come") {
     const SurfaceTriangles triangles = cubeCorner();
     const Vec3d from{3, 1, 0};

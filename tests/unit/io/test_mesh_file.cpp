@@ -10,6 +10,7 @@
 #include <cctype>
 #include <fstream>
 #include <iostream>
+#include <numeric>
 #include <sstream>
 
 namespace igeo {
@@ -111,6 +112,48 @@ TEST_CASE("polygons of many corners are cut, of too many refused", "[mesh]") {
     }
     test::expectError(Kind::BadInput, {"star.obj", "20002 corners", "20000"},
                       [&] { readMesh(star(20002)); });
+}
+
+TEST_CASE(
+    "polygons with corners in one line, and around holes, become triangles that do not overlap",
+    "[mesh]") {
+    PolygonMesh angle, comb, frame;
+    angle.vertices = {{0, 0, 0},   {10, 0, 0},  {20, 0, 0},  {40, 0, 0},  {40, 5, 0},
+                      {40, 10, 0}, {25, 10, 0}, {10, 10, 0}, {10, 25, 0}, {10, 40, 0},
+                      {5, 40, 0},  {0, 40, 0},  {0, 20, 0}};
+    comb.vertices = {{0, 0, 0}, {80, 0, 0}};
+    for (double x = 80; x > 0; x -= 10)
+        for (const Vec3d& p : {Vec3d{x, 30, 0}, {x - 5, 30, 0}, {x - 5, 6, 0}, {x - 10, 6, 0}})
+            comb.vertices.push_back(p);
+    // In to the hole and back: the two corners there are twice in the file.
+    frame.vertices = {{0, 0, 0},   {40, 0, 0},  {40, 40, 0}, {0, 40, 0},  {0, 0, 0},
+                      {10, 10, 0}, {10, 30, 0}, {30, 30, 0}, {30, 10, 0}, {10, 10, 0}};
+    const std::array<std::pair<PolygonMesh*, double>, 3> all{
+        {{&angle, 700}, {&comb, 1440}, {&frame, 1200}}};
+    constexpr int kTurns = 100;
+    for (const auto& [polygon, area] : all) {
+        int overlap = 0, flat = 0;
+        for (int n = 0; n < kTurns; ++n) {
+            PolygonMesh turned = *polygon;
+            const double a = 0.37 * n, b = 0.61 * n;
+            for (Vec3d& p : turned.vertices) {
+                p = {std::cos(a) * p.x - std::sin(a) * p.y, std::sin(a) * p.x + std::cos(a) * p.y,
+                     0};
+                p = {p.x, std::cos(b) * p.y, std::sin(b) * p.y};
+            }
+            std::vector<std::uint32_t> corners(turned.vertices.size());
+            std::iota(corners.begin(), corners.end(), 0);
+            turned.addFace(corners);
+            const TriangleMesh mesh = meshOf(turned, "polygon");
+            overlap += std::abs(meshArea(mesh) - area) > 1e-6;
+            for (const auto& [i, j, k] : mesh.triangles)
+                flat += length(cross(mesh.points[j] - mesh.points[i],
+                                     mesh.points[k] - mesh.points[i])) < 1;
+        }
+        CAPTURE(area);
+        CHECK(overlap == 0);  // before, 5 of the angle, 100 of the frame
+        CHECK(flat == 0);     // before, 32, 221 and 36
+    }
 }
 
 TEST_CASE("polygons become triangles and a mirroring node keeps the outside outside", "[mesh]") {

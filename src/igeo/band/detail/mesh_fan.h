@@ -185,14 +185,25 @@ private:
 };
 
 /// The coordinates of a point of a triangle: p = corner 0 + u (corner 1 - corner 0) + v (corner 2 -
-/// corner 0).
+/// corner 0). Without area, those on its longest edge.
 template <typename Mesh>
 std::array<double, 2> coordinatesIn(const Mesh& mesh, std::uint32_t t, const Vec3d& p) {
+    constexpr double kThin = 1e-8, kFlat = 1e-20;  // the second as in TriangleCorners
     const Vec3d o = mesh.corner(t, 0), a = mesh.corner(t, 1) - o, b = mesh.corner(t, 2) - o,
                 r = p - o;
     const double aa = dot(a, a), ab = dot(a, b), bb = dot(b, b), d = aa * bb - ab * ab;
-    if (!(d > 0)) return {0, 0};
-    return {(dot(r, a) * bb - dot(r, b) * ab) / d, (dot(r, b) * aa - dot(r, a) * ab) / d};
+    if (d > kThin * aa * bb)
+        return {(dot(r, a) * bb - dot(r, b) * ab) / d, (dot(r, b) * aa - dot(r, a) * ab) / d};
+    // There d is little more than rounding.
+    const Vec3d area = cross(a, b), e = b - a;
+    const double square = dot(area, area), ee = dot(e, e), longest = std::max({aa, bb, ee});
+    if (square > kFlat * longest * longest)
+        return {dot(cross(r, b), area) / square, dot(cross(a, r), area) / square};
+    if (!(longest > 0)) return {0, 0};
+    if (longest == aa) return {dot(r, a) / aa, 0};
+    if (longest == bb) return {0, dot(r, b) / bb};
+    const double v = dot(r - a, e) / ee;
+    return {1 - v, v};
 }
 
 template <typename Mesh>
