@@ -463,15 +463,16 @@ TEST_CASE("Open sheets of points: corners and the points of ragged rims lie on t
     // 0.025. Without nodes beyond rims: the same; 0.0058, 0.211; 0.0073, 0.445; 0.0009, 0.218;
     // 0.0040, 0.088. Before: 0.084, 0.52; the same; 0.0204, 1.43; 0.084, 0.52; 0.081, 0.49.
     std::vector<Sheet> sheets{{"square", square, corners, chord, 0.00075, 0.0135}};
-    for (const auto& [turn, mean, most] : {std::tuple{0.3, 0.0021, 0.153}, {0.7, 0.0024, 0.165}})
+    for (const auto& [turn, mean, most] : {std::tuple{0.3, 0.0021, 0.153}, {0.7, 0.0024, 0.165}}) {
+        const double c = std::cos(turn), s = std::sin(turn);
         sheets.push_back({"turned square",
                           movedCloud(square,
                                      [&](const Vec3d& p) {
-                                         const double c = std::cos(turn), s = std::sin(turn);
                                          const double y = s * p.x + c * p.y;
                                          return Vec3d{c * p.x - s * p.y, c * y, s * y};
                                      }),
                           corners, chord, mean, most});
+    }
     sheets.push_back({"half cylinder",
                       movedCloud(square,
                                  [&](const Vec3d& p) {
