@@ -64,18 +64,18 @@ const Color kGray = [](double t) { return Vec3f{float(t), float(t), float(t)}; }
 TEST_CASE("vertexValues: vertices inside an obstacle are not reached, all others are", "[mesh]") {
     // Before, vertices up to three voxels inside had values, read from nodes beside the ball.
     const Vec3d ball{0.603, 0.507, 0};
-    constexpr double kBall = 0.25;
+    constexpr double kObstacle = 0.25;
     const TriangleMesh plate = sheet(80, 80, [](double u, double v) { return Vec3d{u, v, 0}; });
     const igeo::Surface surface(plate, {.size = kVoxel});
     SolverOptions options;
     auto obstacles = std::make_shared<ObstacleSet>(surface.transform());
-    obstacles->addSphere(ball, kBall);
+    obstacles->addSphere(ball, kObstacle);
     options.metric.obstacles = obstacles;
     const Distance d = GeodesicSolver(surface, options).distance({Vec3d{0.1, 0.5, 0}});
     const VertexValues values = d.atVertices();
     std::size_t inside = 0;
     for (std::size_t v = 0; v < plate.points.size(); ++v) {
-        const bool isInside = length(plate.points[v] - ball) <= kBall;
+        const bool isInside = length(plate.points[v] - ball) <= kObstacle;
         inside += isInside;
         CHECK(std::isfinite(values.distance[v]) == !isInside);
         CHECK((values.label[v] == kNoLabel) == isInside);
