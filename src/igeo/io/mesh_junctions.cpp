@@ -148,7 +148,7 @@ std::vector<bool> triangleSeams(const TriangleMesh& mesh) {
         any |= isSeam[t];
         if (!isSeam[t]) hasArea[a] = hasArea[b] = hasArea[c] = true;
     }
-    if (!any) return {};
+    if (!any) return isSeam;
     forEdges(mesh.points.size(), mesh.triangles, [&](const HalfEdge* first, const HalfEdge* last) {
         for (const HalfEdge* e = first; e < last; ++e)
             if (last - first > 2 || !hasArea[e->low] || !hasArea[e->high])
@@ -169,9 +169,7 @@ void remove(const std::vector<bool>& which, std::vector<TriangleMesh::Triangle>&
 
 void splitAtJunctions(TriangleMesh& mesh) {
     mesh.unsplit.clear();
-    if (const std::vector<bool> seams = triangleSeams(mesh);
-        std::count(seams.begin(), seams.end(), true) > 0)
-        remove(seams, mesh.triangles);
+    remove(triangleSeams(mesh), mesh.triangles);
     const std::vector<Junction> junctions = Junctions(mesh).found();
     if (junctions.empty()) return;
     std::vector<TriangleMesh::Triangle> pieces;
