@@ -36,7 +36,7 @@ tbb/       src apps        src/igeo/base/parallel.h src/igeo/base/parallel.cpp a
 fcntl.h    src apps        src/igeo/base/detail/system_posix.cpp src/igeo/base/detail/system_windows.cpp apps/implicit-geodesic/process_posix.cpp
 sys/       src apps        src/igeo/base/detail/system_posix.cpp src/igeo/base/detail/system_windows.cpp apps/implicit-geodesic/process_posix.cpp
 unistd.h   src apps        src/igeo/base/detail/system_posix.cpp apps/implicit-geodesic/process_posix.cpp apps/implicit-geodesic/heap.cpp
-windows.h  src apps        apps/implicit-geodesic/process_windows.cpp
+windows.h  src apps        src/igeo/base/detail/system_windows.cpp apps/implicit-geodesic/process_windows.cpp
 '
 
 mapfile -t files < <(find src apps tests -name '*.h' -o -name '*.cpp' | LC_ALL=C sort)

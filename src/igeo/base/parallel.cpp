@@ -8,6 +8,7 @@
 #include <tbb/task_group.h>
 
 #include <algorithm>
+#include <new>
 
 namespace igeo {
 
@@ -47,9 +48,12 @@ struct ThreadLimit::Impl {
     tbb::global_control control;
 };
 
-ThreadLimit::ThreadLimit(int threads)
-    : impl_(threads > 0 ? std::make_unique<Impl>(std::size_t(threads)) : nullptr) {
-    // TBB takes its own memory at first use. oneTBB 2022 waits forever where it finds none then.
+ThreadLimit::ThreadLimit(int threads) {
+    // TBB takes its own memory at first use, a few MB from the system. Where oneTBB 2022 finds none
+    // then, it waits forever.
+    constexpr std::size_t kOfTbb = 16 << 20;
+    if (!wouldGive(kOfTbb)) throw std::bad_alloc();
+    if (threads > 0) impl_ = std::make_unique<Impl>(std::size_t(threads));
     tbb::task_group().run_and_wait([] {});
 }
 

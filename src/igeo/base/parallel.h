@@ -39,7 +39,9 @@ void resizeByAll(std::vector<T>& v, std::size_t n) {
 /// Limits the threads of the process while it lives; for programs, never used inside the library.
 class ThreadLimit {
 public:
-    explicit ThreadLimit(int threads);  ///< 0: as many as there are cores
+    /// @param threads  0: as many as there are cores
+    /// @throws std::bad_alloc  too little memory for TBB
+    explicit ThreadLimit(int threads);
     ~ThreadLimit();
     ThreadLimit(const ThreadLimit&) = delete;
     ThreadLimit& operator=(const ThreadLimit&) = delete;

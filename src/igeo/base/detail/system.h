@@ -23,6 +23,10 @@ int syncFile(const std::string& path);
 /// its own.
 void askForLargePages(void* memory, std::size_t bytes);
 
+/// Whether the system would give the process this much memory in one piece. A heap that holds some
+/// in store is not asked.
+bool wouldGive(std::size_t bytes);
+
 /// Whether a write error means that the disk is full.
 bool isOutOfSpace(int error);
 

@@ -3,6 +3,7 @@
 #include <io.h>
 #include <process.h>
 #include <sys/stat.h>
+#include <windows.h>
 
 #include <cerrno>
 
@@ -32,6 +33,11 @@ int syncFile(const std::string& path) {
 }
 
 void askForLargePages(void*, std::size_t) {}
+
+bool wouldGive(std::size_t bytes) {
+    void* const memory = ::VirtualAlloc(nullptr, bytes, MEM_RESERVE | MEM_COMMIT, PAGE_READWRITE);
+    return memory && ::VirtualFree(memory, 0, MEM_RELEASE);
+}
 
 bool isOutOfSpace(int error) { return error == ENOSPC || error == EFBIG; }
 
