@@ -200,6 +200,11 @@ void SurfaceTriangles::forLeaves(const Key& key, const Limit& limit, const Visit
     }
 }
 
+SurfaceTriangles::Place SurfaceTriangles::placeOn(std::uint32_t t, const Vec3d& p) const {
+    const Vec3d q = nearestOnTriangle(p, corner(t, 0), corner(t, 1), corner(t, 2)).point;
+    return {t, q, dot(q - p, q - p)};
+}
+
 SurfaceTriangles::Place SurfaceTriangles::nearest(const Vec3d& p, double within,
                                                   const Vec3d& sheetNormal) const {
     Place best, other;
@@ -208,9 +213,7 @@ SurfaceTriangles::Place SurfaceTriangles::nearest(const Vec3d& p, double within,
     forLeaves([&](const Box& b) { return b.squaredDistance(p); },
               [&] { return std::min(best.squared, most); },
               [&](std::uint32_t t) {
-                  const Vec3d q =
-                      nearestOnTriangle(p, corner(t, 0), corner(t, 1), corner(t, 2)).point;
-                  const Place here{t, q, dot(q - p, q - p)};
+                  const Place here = placeOn(t, p);
                   if (!(here.squared <= most)) return;
                   const bool opposes = !anySheet && dot(normal(t), sheetNormal) < kOpposed;
                   Place& of = opposes ? other : best;
@@ -218,6 +221,19 @@ SurfaceTriangles::Place SurfaceTriangles::nearest(const Vec3d& p, double within,
                       of = here;
               });
     return best.triangle != kNone ? best : other;
+}
+
+bool SurfaceTriangles::any(const Vec3d& p, double within,
+                           const std::function<bool(const Place&)>& is) const {
+    bool found = false;
+    forLeaves([&](const Box& b) { return b.squaredDistance(p); },
+              [&] { return found ? -1 : within * within; },
+              [&](std::uint32_t t) {
+                  if (found) return;
+                  const Place here = placeOn(t, p);
+                  found = here.squared <= within * within && is(here);
+              });
+    return found;
 }
 
 bool SurfaceTriangles::joins(const Place& from, const Place& to, double radius) const {

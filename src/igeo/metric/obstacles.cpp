@@ -240,29 +240,34 @@ void ObstacleSet::addGrid(const ObstacleGrid& source) {
 }
 
 /// Whether a segment passes over a part of a mesh, or within kPatchFat of it. Where the segment
-/// leaves S, as the chord of a bend, the part is searched for along the segment's normal and, where
-/// the segment cuts a sharp edge off, along that of the part.
+/// leaves S, as the chord of a bend or of a sharp edge, the part is searched for along the
+/// segment's normal and, of the nearest triangle, along its own.
 bool ObstacleSet::patchBlocks(const Patch& patch, const Vec3d& a, const Vec3d& b,
                               const Vec3d& normal) {
     constexpr double kAcross = 0.1;  // on a face beside that of the part it is 0 or less
     const Vec3d along = b - a;
-    const double reach = kReach + std::min(kBulge * dot(along, along), kMostBulge);
-    const int steps = int(std::ceil(length(along) / kPatchStep));
+    const double chord = length(along), bulge = std::min(kBulge * chord * chord, kMostBulge),
+                 reach = kReach + bulge, most = std::max(reach, chord);
+    const int steps = int(std::ceil(chord / kPatchStep));
     for (int k = 0; k <= steps; ++k) {
         const Vec3d p = a + (steps ? double(k) / steps : 0.0) * along;
+        const auto isAlong = [&](const Vec3d& off, const Vec3d& n, double within) {
+            const double up = dot(off, n);
+            return std::abs(up) <= within && length(off - up * n) <= kPatchFat;
+        };
+        const auto isAbove = [&](const SurfaceTriangles::Place& place) {
+            const double cosine = dot(patch.normal[place.triangle], normal);
+            // The other side of a thin wall lies below.
+            if (cosine <= Band::kOtherSheet) return isAlong(place.point - p, normal, bulge + kFat);
+            // The edge of two faces that meet at 60 degrees or more is at most so far above.
+            const double edge = chord * std::sqrt(std::max(1 - cosine * cosine, 0.0));
+            return isAlong(place.point - p, normal, std::max(reach, edge));
+        };
+        if (patch.parts->any(p, most + kPatchFat, isAbove)) return true;
         const auto place = patch.parts->nearest(p, reach + kPatchFat);
         if (place.triangle == SurfaceTriangles::kNone) continue;
-        const Vec3d off = place.point - p, &own = patch.normal[place.triangle];
-        auto isAlong = [&](const Vec3d& n) {
-            const double up = dot(off, n);
-            return std::abs(up) <= reach && length(off - up * n) <= kPatchFat;
-        };
-        const double cosine = dot(own, normal);
-        if (cosine > kAcross && isAlong(own)) return true;
-        // Through a thin wall lies the part of its other side.
-        if (isAlong(normal) &&
-            (std::abs(dot(off, normal)) <= reach - kReach + kFat || cosine > Band::kOtherSheet))
-            return true;
+        const Vec3d& own = patch.normal[place.triangle];
+        if (dot(own, normal) > kAcross && isAlong(place.point - p, own, reach)) return true;
     }
     return false;
 }
