@@ -12,6 +12,7 @@
 #include <igeo/surface/detail/psi_signs.h>
 #include <igeo/surface/detail/psi_tally.h>
 #include <igeo/surface/detail/renormalization.h>
+#include <igeo/surface/detail/union_edges.h>
 #include <openvdb/tools/FastSweeping.h>
 
 #include <algorithm>
@@ -236,7 +237,8 @@ void undoConversion(LevelSet& s) {
     s.psi = psi;
 }
 
-void measure(LevelSet& s, Progress& progress) {
+/// @return voxels where |psi| has a sharp convex kink
+std::vector<openvdb::Coord> measure(LevelSet& s, Progress& progress) {
     const std::vector<const Leaf*> leaves = leavesOf(*s.psi);
     Steps steps(progress, "check", leaves.size());
     const auto all = sumOver<PsiTally>(leaves, 64, [&](PsiTally& to, auto some) {
@@ -260,6 +262,17 @@ void measure(LevelSet& s, Progress& progress) {
     // One surface voxel in 200 may lie at a place where sheets meet before it counts.
     const double meeting = all.meeting.valueAfter(all.nearSurface / 200) * PsiTally::kReachRange;
     st.reach = std::min(meeting, st.halfWidth);
+    return all.ridges;
+}
+
+/// Beside the edges of unions of level sets psi is the lesser of two distances, and none itself.
+void measureEdges(LevelSet& s, const std::vector<openvdb::Coord>& ridges) {
+    const std::vector<EdgeDistance> all =
+        distancesToUnionEdges(*s.psi, ridges, s.stats.halfWidth * s.transform.dx);
+    if (all.empty()) return;
+    const openvdb::FloatGrid::Ptr psi = toChange(s);
+    for (const EdgeDistance& edge : all) psi->tree().setValueOnly(edge.at, edge.distance);
+    s.psi = psi;
 }
 
 void take(LoadedGrid& loaded, LevelSet& s) {
@@ -307,8 +320,9 @@ void checkLevelSet(LoadedGrid loaded, LevelSet& s, Progress& progress) {
     undoConversion(s);
     takeNarrowerSide(s);
     if (s.stats.halfWidth < kLeastWidth) widen(s, 3);
-    measure(s, progress);
+    const std::vector<openvdb::Coord> ridges = measure(s, progress);
     judgeShape(s);
+    measureEdges(s, ridges);
 }
 
 void widen(LevelSet& s, double halfWidth) {

@@ -134,8 +134,15 @@ const CurvatureBins& curvatureBins() {
     return bins;
 }
 
+/// Whether |psi| is clearly convex at a voxel with all face neighbors.
+bool isRidge(const LeafBlock& b, int x, int y, int z) {
+    constexpr double kSharp = 0.5;
+    return PsiDifferences(b, x, y, z).laplacian(b.at(x, y, z) < 0 ? -1 : 1) > kSharp;
+}
+
 template <int Width>
-IGEO_INLINE void addRow(const LeafBlock& b, int x, int y, double halfWidth, PsiTally& tally) {
+IGEO_INLINE void addRow(const LeafBlock& b, const openvdb::Coord& origin, int x, int y,
+                        double halfWidth, PsiTally& tally) {
     if (!(b.active(x, y) & 0x1fe)) return;
     const PsiRow<Width> row(b, x, y);
     const float* psi = b.row(x, y);
@@ -146,6 +153,11 @@ IGEO_INLINE void addRow(const LeafBlock& b, int x, int y, double halfWidth, PsiT
     for (unsigned bits = row.complete & within<Width>(row.slope.data(), 0.5f); bits;
          bits &= bits - 1)
         tally.meeting.add(double(std::abs(psi[std::countr_zero(bits)])) / PsiTally::kReachRange);
+    constexpr float kRidge = 0.75f;
+    for (unsigned bits = row.complete & within<Width>(row.slope.data(), kRidge); bits;
+         bits &= bits - 1)
+        if (const int z = std::countr_zero(bits); isRidge(b, x, y, z))
+            tally.ridges.push_back(origin.offsetBy(x, y, z));
     const unsigned near = row.active & within<Width>(psi, 1);
     if (near == 0) return;
     tally.nearSurface += unsigned(std::popcount(near));
@@ -170,7 +182,8 @@ IGEO_INLINE void addAll(const openvdb::FloatTree& tree, double dx, double halfWi
     for (const PsiTally::Leaf* leaf : leaves) {
         block.gather<Width>(psi, leaf->origin(), dx, LeafBlock::kEdges);
         for (int x = 0; x < 8; ++x)
-            for (int y = 0; y < 8; ++y) addRow<Width>(block, x, y, halfWidth, tally);
+            for (int y = 0; y < 8; ++y)
+                addRow<Width>(block, leaf->origin(), x, y, halfWidth, tally);
     }
 }
 void addByFour(const openvdb::FloatTree& psi, double dx, double halfWidth, Leaves leaves,
@@ -211,6 +224,7 @@ void PsiTally::addLeaves(const openvdb::FloatTree& psi, double dx, double halfWi
 void PsiTally::add(const PsiTally& o) {
     nearSurface += o.nearSurface, crossing += o.crossing, cut += o.cut;
     gradient.add(o.gradient), curvature.add(o.curvature), meeting.add(o.meeting);
+    ridges.insert(ridges.end(), o.ridges.begin(), o.ridges.end());
 }
 
 }  // namespace igeo

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace igeo {
 
@@ -25,18 +26,20 @@ struct PsiRange {
     void add(const PsiRange& other);
 };
 
-/// Counts of the voxels of a level set, row by row. Sums do not depend on the order.
+/// Counts of the voxels of a level set, row by row. Sums do not depend on the order; that of the
+/// ridges does.
 struct PsiTally {
     using Leaf = LeafBlock::Leaf;
     static constexpr double kGradientRange = 4;  ///< gradient holds |grad psi| / kGradientRange
     static constexpr double kReachRange = 16;    ///< meeting holds |psi| / kReachRange, voxels
 
-    std::uint64_t nearSurface = 0;  ///< |psi| < 1
-    std::uint64_t crossing = 0;     ///< of these: a face neighbor has the other sign
-    std::uint64_t cut = 0;          ///< of these: S is cut there (cutBeside)
-    Histogram gradient;             ///< of voxels with all face neighbors
-    Histogram curvature;            ///< of nearSurface: CurvatureBins
-    Histogram meeting;              ///< where sheets meet
+    std::uint64_t nearSurface = 0;       ///< |psi| < 1
+    std::uint64_t crossing = 0;          ///< of these: a face neighbor has the other sign
+    std::uint64_t cut = 0;               ///< of these: S is cut there (cutBeside)
+    Histogram gradient;                  ///< of voxels with all face neighbors
+    Histogram curvature;                 ///< of nearSurface: CurvatureBins
+    Histogram meeting;                   ///< where sheets meet
+    std::vector<openvdb::Coord> ridges;  ///< voxels where |psi| has a sharp convex kink
 
     /// @param dx         voxel size
     /// @param halfWidth  of the level set, voxels
