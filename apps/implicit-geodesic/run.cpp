@@ -178,6 +178,7 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
     }
     if (o.hasSeeds() && (o.verbose || !o.report.empty()))
         report.accuracy = estimate(distance, report.surface.fit, console, stages);
+    report.warn(igeo::estimateWarnings(report.accuracy));
     report.walks = shoot(solver, o.shots, stages);
     report.pairs = solvePairs(solver, o, stages);
     report.vias = solveVias(solver, o, report, stages);

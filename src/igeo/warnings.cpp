@@ -172,6 +172,19 @@ Sentences pathWarnings(const Surface& surface, const std::vector<PairDistance>& 
     return warningsOf(lines, surface, /*byJet=*/true, "pair");
 }
 
+Sentences estimateWarnings(const AccuracyEstimate& estimate) {
+    // Either way the estimate is then within a factor of three.
+    constexpr double kDoubt = 2.5;
+    const double all = estimate.meanError, known = estimate.withoutFacets;
+    if (!(all > kDoubt * known)) return {};
+    return {fmt::format(
+        "{:.0f} % of the estimated error, {:.2g} %, is in doubt: what scatters about the surface "
+        "may be facets that points do not show, which the estimate takes it for; if they scatter, "
+        "the error is {:.2g} %; pairs of points within a sixth of the spacing would tell, or the "
+        "mesh itself",
+        100 * (1 - known / all), 100 * all, 100 * known)};
+}
+
 Sentences walkWarnings(const std::vector<Polyline>& walks) {
     Sentences found;
     for (std::size_t k = 0; k < walks.size(); ++k) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <igeo/geodesic_solver.h>
+#include <igeo/path/accuracy_estimate.h>
 
 #include <string>
 #include <vector>
@@ -39,6 +40,9 @@ std::vector<std::string> pathWarnings(const Surface& surface, bool byJet,
 /// The same of the paths of pairs.
 std::vector<std::string> pathWarnings(const Surface& surface,
                                       const std::vector<PairDistance>& pairs);
+
+/// Of the estimate on points: most of it is facets that may as well be scatter.
+std::vector<std::string> estimateWarnings(const AccuracyEstimate& estimate);
 
 /// Of walks (GeodesicSolver::shoot): sharp bends that the voxels round off, and corners passed
 /// closely.

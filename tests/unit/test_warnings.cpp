@@ -107,5 +107,16 @@ TEST_CASE("warnings of a march: costs of a part, seeds that start too late") {
     CHECK(surfaceWarnings(solver) == std::vector<std::string>{found[1]});
 }
 
+TEST_CASE("An estimate that takes scatter for facets says how much of it is in doubt") {
+    AccuracyEstimate estimate;
+    estimate.samples = 16, estimate.meanError = 0.004, estimate.withoutFacets = 0.001;
+    const auto found = estimateWarnings(estimate);
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].rfind("75 % of the estimated error, 0.4 %, is in doubt", 0) == 0);
+    estimate.withoutFacets = 0.002;  // either way within a factor of three
+    CHECK(estimateWarnings(estimate).empty());
+}
+
 }  // namespace
+
 }  // namespace igeo::test

@@ -72,7 +72,8 @@ Rounding roundingBy(const FitError& fit) {
 }
 
 /// The share of a length that facets about as wide as the spacing of the points lack on S, where
-/// `square` is the mean of k^2. Facets of width w have heights over S with the variance k^2 w^4 /
+/// `square` is the mean of k^2 in all directions: facets that lie askew have slopes along a
+/// geodesic that does not bend. Facets of width w have heights over S with the variance k^2 w^4 /
 /// 720 and make a geodesic longer by k^2 w^2 / 24. Points may show that as scatter: then S is
 /// smooth, and points next to each other are on different facets, so they show no stretch. Real
 /// scatter is taken for facets up to what facets of 1.2 spacings have.
@@ -125,7 +126,8 @@ struct Sample {
     bool found = false;     ///< a geodesic
     double difference = 0;  ///< of the distance from the length; positive: the distance is longer
     double byScatter = 0;   ///< standard deviation of the length
-    double rounded = 0;     ///< of the length, at edges that S shows or facets that it hides
+    double rounded = 0;     ///< of the length, at edges that S shows
+    double hidden = 0;      ///< of the length, if facets that S hides are what scatters
     PointStretch stretch;
 };
 
@@ -140,22 +142,30 @@ void addErrorsOfSurface(const Band& band, Path straight, const FitError& fit, Sa
     sample.difference -= (lengthOver(straight, sharp) + bending.arcs) / len - 1;
     sample.rounded =
         rounding.perBend * std::max(0.0, bending.uneven - rounding.byScatter * len) / len;
-    sample.rounded = std::max(sample.rounded, lackingOfFacets(fit, bending.square / len));
     sample.byScatter = meanOfDeviation * std::sqrt(fit.heightNoise * bending.square) / len;
-    if (fit.points) sample.stretch = stretchAlong(band, straight, fit);
+    if (!fit.points) return;
+    sample.stretch = stretchAlong(band, straight, fit);
+    double square = bending.square / len;
+    if (const PointStretch::Pairs& turned = sample.stretch.turned; turned.count > 0)
+        square = std::max(square, turned.mean() / (fit.spacing * fit.spacing));
+    sample.hidden = lackingOfFacets(fit, square);
 }
 
-/// The errors of samples, combined. What S lacks of the true surface shows as edges or as stretch:
-/// the larger counts. A distance that is longer than the length lacks less of it than the length.
-std::vector<double> errorsOf(const std::vector<Sample>& samples) {
+/// The errors of samples, combined. What S lacks of the true surface shows as edges or as stretch,
+/// or may be hidden: the largest counts. A distance that is longer than the length lacks less of it
+/// than the length.
+/// @param hides  whether S may hide facets
+std::vector<double> errorsOf(const std::vector<Sample>& samples, bool hides = true) {
     std::vector<PointStretch> sums;
+    PointStretch all;
     for (const Sample& s : samples)
-        if (s.found) sums.push_back(s.stretch);
+        if (s.found) sums.push_back(s.stretch), all.add(s.stretch, 1);
     const double stretch = stretchShown(sums);
+    hides = hides && !all.isScatter();
     std::vector<double> errors;
     for (const Sample& s : samples) {
         if (!s.found) continue;
-        const double lacking = std::max(s.rounded, stretch);
+        const double lacking = std::max({s.rounded, stretch, hides ? s.hidden : 0});
         const double both =
             s.difference > 0 ? std::max(s.difference, lacking) : std::hypot(s.difference, lacking);
         errors.push_back(std::hypot(both, s.byScatter));
@@ -249,6 +259,7 @@ AccuracyEstimate estimateAccuracy(const Field& field, const FitError& fit, Progr
     e.samples = error.size();
     // Paths over triangles that lead another way are traced again; elsewhere one or two may remain.
     e.meanError = exact ? meanOf(error) : steadyMeanOf(error);
+    e.withoutFacets = exact ? e.meanError : steadyMeanOf(errorsOf(samples, false));
     for (const double x : error) e.largestError = std::max(e.largestError, x);
     return e;
 }

@@ -17,6 +17,9 @@ struct AccuracyEstimate {
     /// little.
     double meanError = 0;
     double largestError = 0;  ///< maximum of |d - length| / d
+    /// The mean error if all that scatters about S is scatter. Below meanError where it may be
+    /// facets, as no points are close enough to each other to tell.
+    double withoutFacets = 0;
     /// Share of the solved nodes that took the first-order fallback (jet)
     double fallbackShare = 0;
 };
@@ -31,7 +34,8 @@ struct AccuracyEstimate {
 /// is longer than the length and lacks less of it, the larger counts:
 ///  - Edges that voxels round off, or fits to points, as S shows them; or, where that is more, what
 ///    points show of shape that S lacks: beside the geodesics they are farther apart than their
-///    foot points (stretchShown), or scatter that may be facets about as wide as their spacing.
+///    foot points (stretchShown), or scatter that may be facets about as wide as their spacing,
+///    unless points next to each other scatter alike.
 ///  - Scatter of points: where S lies e(s) too high along a geodesic of normal curvature k(s), the
 ///    geodesic is too long by the integral of k e to first order. Its standard deviation is the
 ///    root of `fit.heightNoise` times the integral of k^2.

@@ -14,9 +14,15 @@ constexpr std::size_t kBeside = 12;
 constexpr double kApart = 2;
 /// A point and its neighbors, which give its spacing as in CloudDensity.
 constexpr std::size_t kAround = 13;
-/// Squared distances in spacings: of all pairs, as farther ones pass over facets; of near and of
-/// far ones.
-constexpr double kAll = 1.5, kClose = 0.15, kWide = 0.75;
+/// Squared distances in spacings: of all pairs, as farther ones pass over facets; of very near, of
+/// near and of far ones.
+constexpr double kAll = 1.5, kClosest = 0.0225, kClose = 0.15, kWide = 0.75;
+/// Heights of near pairs differ 0.2 to 0.4 times as much as those of far ones where facets are two
+/// spacings wide and wider, 1.0 to 1.8 times where points scatter. Of facets as wide as the spacing
+/// those of near pairs differ 0.35 to 0.9 times as much, those of very near ones 0.1 to 0.3 times.
+constexpr double kShape = 0.5, kNarrow = 0.35;
+/// So many very near pairs at least; of these a pair is counted some four times.
+constexpr double kLeastClosest = 40, kTimes = 4;
 /// Cosine of normals on one sheet.
 constexpr double kOneSheet = 0.5;
 
@@ -48,19 +54,34 @@ void addPair(PointStretch& sums, const PointFoot& a, const PointFoot& b, const V
         sums.right[i] += weight * terms[i] * excess;
     }
     const double rise = b.height() - a.height();
-    if (h2 < kClose) sums.close.count += 1, sums.close.squares += rise * rise / spacing2;
-    if (h2 > kWide) sums.wide.count += 1, sums.wide.squares += rise * rise / spacing2;
+    const double rise2 = rise * rise / spacing2;
+    if (h2 < kClosest) sums.closest.add(rise2, h2);
+    if (h2 < kClose) sums.close.add(rise2, h2);
+    if (!(h2 > kWide)) return;
+    const Vec3d turn = b.normal - a.normal;
+    sums.wide.add(rise2, h2);
+    sums.turned.add(dot(turn, turn) / h2, h2);
 }
 
 }  // namespace
+
+void PointStretch::Pairs::add(double square, double h2) {
+    count += 1, squares += square, apart2 += h2;
+}
+
+void PointStretch::Pairs::add(const Pairs& pairs, double times) {
+    count += times * pairs.count;
+    squares += times * pairs.squares;
+    apart2 += times * pairs.apart2;
+}
 
 void PointStretch::add(const PointStretch& sums, double times) {
     for (std::size_t i = 0; i < 3; ++i) {
         for (std::size_t j = 0; j < 3; ++j) matrix[i][j] += times * sums.matrix[i][j];
         right[i] += times * sums.right[i];
     }
-    close.count += times * sums.close.count, close.squares += times * sums.close.squares;
-    wide.count += times * sums.wide.count, wide.squares += times * sums.wide.squares;
+    closest.add(sums.closest, times), close.add(sums.close, times);
+    wide.add(sums.wide, times), turned.add(sums.turned, times);
 }
 
 double PointStretch::stretch() const {
@@ -71,12 +92,24 @@ double PointStretch::stretch() const {
 }
 
 bool PointStretch::isShape() const {
-    // Heights of near pairs differ 0.2 to 0.4 times as much as those of far ones where facets are
-    // two spacings wide and wider, 1.0 to 1.8 times where points scatter.
-    constexpr double kShare = 0.5, kErrors = 3;
-    const double byChance = kErrors * std::sqrt(2 / close.count);
-    return close.count > 0 && wide.count > 0 &&
-           close.squares / close.count * (1 + byChance) < kShare * wide.squares / wide.count;
+    constexpr double kErrors = 3;
+    const auto below = [&](const Pairs& near, double least, double times) {
+        const double byChance = kErrors * std::sqrt(2 * times / near.count);
+        return near.count >= least && wide.count > 0 &&
+               near.mean() * (1 + byChance) < kShape * wide.mean();
+    };
+    return below(close, 1, 1) || below(closest, kLeastClosest, kTimes);
+}
+
+bool PointStretch::isScatter() const {
+    constexpr double kErrors = 2;
+    const double byChance = kErrors * std::sqrt(2 * kTimes / closest.count);
+    return closest.count >= kLeastClosest && wide.count > 0 &&
+           closest.mean() * (1 - byChance) > kShape * wide.mean();
+}
+
+bool PointStretch::isNarrow() const {
+    return isShape() && closest.count >= kLeastClosest && close.mean() > kNarrow * wide.mean();
 }
 
 PointStretch stretchAlong(const Band& band, const Path& path, const FitError& fit) {
@@ -123,6 +156,7 @@ double stretchShown(const std::vector<PointStretch>& geodesics) {
     PointStretch all;
     for (const PointStretch& g : geodesics) all.add(g, 1);
     if (geodesics.size() < kLeast || !all.isShape()) return 0;
+    if (all.isNarrow()) return all.closest.squares / (2 * all.closest.apart2);
     const double n = double(geodesics.size()), stretch = all.stretch();
     double sum = 0, squares = 0;
     for (const PointStretch& g : geodesics) {

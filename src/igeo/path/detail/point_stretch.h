@@ -22,16 +22,27 @@ namespace igeo {
 struct PointStretch {
     std::array<std::array<double, 3>, 3> matrix{};  ///< the normal equations
     std::array<double, 3> right{};
-    /// Of near and of far pairs: how many, and the squared differences of their heights over S.
-    /// Those of scatter are as large for both, those of shape small for near ones.
-    struct {
-        double count = 0, squares = 0;
-    } close, wide;
+    /// Pairs: how many, and sums of a square and of h^2.
+    struct Pairs {
+        double count = 0, squares = 0, apart2 = 0;
+
+        void add(double square, double h2);
+        void add(const Pairs& pairs, double times);
+        double mean() const { return squares / count; }
+    };
+    /// Of very near, near and far pairs: the differences of their heights over S. Those of scatter
+    /// are as large for all, those of shape small for near ones.
+    Pairs closest, close, wide;
+    Pairs turned;  ///< of far pairs: the turn of the normal of S per spacing
 
     void add(const PointStretch& sums, double times);
     double stretch() const;
     /// Whether the heights are shape, not scatter, beyond chance.
     bool isShape() const;
+    /// Whether they are scatter, not shape, beyond chance.
+    bool isScatter() const;
+    /// Whether they are shape that changes within a spacing, and very near pairs show its slopes.
+    bool isNarrow() const;
 };
 
 /// @param path  with normals
@@ -40,7 +51,8 @@ struct PointStretch {
 PointStretch stretchAlong(const Band& band, const Path& path, const FitError& fit);
 
 /// The stretch along all geodesics together, 0 where it is scatter or below two standard errors.
-/// These come from leaving out one geodesic after the other (jackknife).
+/// These come from leaving out one geodesic after the other (jackknife). Where shape is narrow, far
+/// pairs pass over it, and half the mean square of its slopes counts, as very near pairs show it.
 double stretchShown(const std::vector<PointStretch>& geodesics);
 
 }  // namespace igeo
