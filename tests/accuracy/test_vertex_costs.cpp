@@ -252,8 +252,7 @@ TEST_CASE("blocked vertices: a part of a mesh, and a line of them, that paths go
 }
 
 TEST_CASE("blocked vertices along a sharp edge, and across it, are a wall", "[vertices]") {
-    // Lines between nodes cut the edge off and pass up to half of their length beside the wall;
-    // before 7 of 36 sheets leaked, up to 418 vertices.
+    // Lines between nodes cut the edge off and pass below the wall; before, 7 of 36 sheets leaked.
     constexpr double kTiny = 1e-9;
     std::size_t leaked = 0, lost = 0;
     const auto count = [&](const TriangleMesh& mesh, double voxel, const auto& coordinate) {
