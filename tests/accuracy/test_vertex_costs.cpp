@@ -208,6 +208,13 @@ std::vector<bool> verticesWhere(const TriangleMesh& mesh, const std::function<bo
     return chosen;
 }
 
+/// A point of a plane that is folded by the angle along x = 0, and turned.
+Vec3d onFold(const openvdb::math::Transform& turn, double angle, double x, double y) {
+    const double beyond = std::max(x, 0.0);
+    return fromVdb(turn.indexToWorld(
+        openvdb::Vec3d(std::min(x, 0.0) + beyond * std::cos(angle), y, beyond * std::sin(angle))));
+}
+
 double around(const TriangleMesh& mesh, const std::function<void(ObstacleSet&)>& block) {
     const Surface surface(mesh, VoxelOptions{.resolution = 100});
     auto obstacles = std::make_shared<ObstacleSet>(surface.transform());
@@ -280,10 +287,7 @@ TEST_CASE("blocked vertices along a sharp edge, and across it, are a wall", "[ve
             for (const double cell : {1.7, 2.3}) {
                 const auto turn = rotatedTransform(1, {1, -2, 3}, turned, {0.1, 0.2, 0.3});
                 const auto fold = [&](double u, double v) {
-                    const double x = u - 0.5, beyond = std::max(x, 0.0), angle = degrees * kDegree;
-                    const openvdb::Vec3d p = turn->indexToWorld(openvdb::Vec3d(
-                        std::min(x, 0.0) + beyond * std::cos(angle), v, beyond * std::sin(angle)));
-                    return Vec3d{p[0], p[1], p[2]};
+                    return onFold(*turn, degrees * kDegree, u - 0.5, v);
                 };
                 const TriangleMesh mesh = asRead(sheet(20, 20, fold));
                 const double voxel = 0.05 / cell;
@@ -329,10 +333,7 @@ TEST_CASE("weights on a sheet folded to an angle of 35 degrees are as on the fla
     const auto distances = [&](double angle, double voxel, const auto& weightAt,
                                const Vec3d& from) {
         const auto at = [&](double u, double v) {
-            const double x = 2 * u - 1, beyond = std::max(x, 0.0);
-            const openvdb::Vec3d p = turn->indexToWorld(openvdb::Vec3d(
-                std::min(x, 0.0) + beyond * std::cos(angle), 2 * v - 1, beyond * std::sin(angle)));
-            return Vec3d{p[0], p[1], p[2]};
+            return onFold(*turn, angle, 2 * u - 1, 2 * v - 1);
         };
         const TriangleMesh mesh = asRead(sheet(40, 40, at));
         std::vector<double> weights;

@@ -118,5 +118,4 @@ TEST_CASE("An estimate that takes scatter for facets says how much of it is in d
 }
 
 }  // namespace
-
 }  // namespace igeo::test

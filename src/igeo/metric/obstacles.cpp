@@ -248,20 +248,20 @@ bool ObstacleSet::patchBlocks(const Patch& patch, const Vec3d& a, const Vec3d& b
     const Vec3d along = b - a;
     const double chord = length(along), bulge = std::min(kBulge * chord * chord, kMostBulge),
                  reach = kReach + bulge, most = std::max(reach, chord);
+    const auto isAlong = [&](const Vec3d& off, const Vec3d& n, double within) {
+        const double up = dot(off, n);
+        return std::abs(up) <= within && length(off - up * n) <= kPatchFat;
+    };
     const int steps = int(std::ceil(chord / kPatchStep));
     for (int k = 0; k <= steps; ++k) {
         const Vec3d p = a + (steps ? double(k) / steps : 0.0) * along;
-        const auto isAlong = [&](const Vec3d& off, const Vec3d& n, double within) {
-            const double up = dot(off, n);
-            return std::abs(up) <= within && length(off - up * n) <= kPatchFat;
-        };
         const auto isAbove = [&](const SurfaceTriangles::Place& place) {
-            const double cosine = dot(patch.normal[place.triangle], normal);
+            const double cosine = dot(patch.normal[place.triangle], normal),
+                         // The edge of two faces that meet at 60 degrees or more is no farther.
+                edge = chord * std::sqrt(std::max(1 - cosine * cosine, 0.0));
             // The other side of a thin wall lies below.
-            if (cosine <= Band::kOtherSheet) return isAlong(place.point - p, normal, bulge + kFat);
-            // The edge of two faces that meet at 60 degrees or more is at most so far above.
-            const double edge = chord * std::sqrt(std::max(1 - cosine * cosine, 0.0));
-            return isAlong(place.point - p, normal, std::max(reach, edge));
+            const bool isOther = cosine <= Band::kOtherSheet;
+            return isAlong(place.point - p, normal, isOther ? bulge + kFat : std::max(reach, edge));
         };
         if (patch.parts->any(p, most + kPatchFat, isAbove)) return true;
         const auto place = patch.parts->nearest(p, reach + kPatchFat);

@@ -23,6 +23,12 @@ Vec3d toVec3d(const Coord& c) { return {double(c.x()), double(c.y()), double(c.z
 Coord nearestVoxel(const Vec3d& p) {
     return {int(std::lround(p.x)), int(std::lround(p.y)), int(std::lround(p.z))};
 }
+template <typename Visit>
+void forBox(const Coord& middle, int reach, const Visit& visit) {
+    for (int x = -reach; x <= reach; ++x)
+        for (int y = -reach; y <= reach; ++y)
+            for (int z = -reach; z <= reach; ++z) visit(middle.offsetBy(x, y, z));
+}
 
 /// The plane that psi shows at a voxel. Psi counts as negative there, and n points to S.
 struct Face {
@@ -150,20 +156,14 @@ public:
 
 private:
     static constexpr double kInside = 0.05;  ///< voxels
+    static constexpr int kFar = 2;           ///< how far voxels are looked at
 
-    template <typename Visit>
-    static void forBox(const Coord& middle, const Visit& visit) {
-        constexpr int kFar = 2;
-        for (int x = -kFar; x <= kFar; ++x)
-            for (int y = -kFar; y <= kFar; ++y)
-                for (int z = -kFar; z <= kFar; ++z) visit(middle.offsetBy(x, y, z));
-    }
     /// The plane around a voxel for which `off` is least, and finite.
     template <typename Off>
     std::optional<Face> nearest(const Coord& middle, const Off& off) {
         std::optional<Face> found;
         double least = kInfinity;
-        forBox(middle, [&](const Coord& v) {
+        forBox(middle, kFar, [&](const Coord& v) {
             const std::optional<Face> face = gradients_.faceAt(v, side_);
             if (!face) return;
             const double here = off(*face);
@@ -192,7 +192,7 @@ private:
     /// How deep a point is in the balls around voxels in which, as psi has it, there is no S.
     double depthInBalls(const Vec3d& p) {
         double deepest = -kInfinity;
-        forBox(nearestVoxel(p), [&](const Coord& v) {
+        forBox(nearestVoxel(p), kFar, [&](const Coord& v) {
             const double radius = side_ * gradients_.psiAt(v);
             deepest = std::max(deepest, radius - length(toVec3d(v) - p));
         });
@@ -203,7 +203,7 @@ private:
         constexpr double kOff = 0.1;
         const Vec3d here = toVec3d(v);
         bool found = false;
-        forBox(v, [&](const Coord& beside) {
+        forBox(v, kFar, [&](const Coord& beside) {
             if (found) return;
             const std::optional<Face> f = gradients_.faceAt(beside, side_);
             found = f && std::abs(f->height(here) + depth) < kOff &&
@@ -229,11 +229,6 @@ std::vector<EdgeDistance> distancesToUnionEdges(const openvdb::FloatGrid& psi,
         seen.setValueOn(v);
         front.push_back(v);
     };
-    const auto addAround = [&](const Coord& v) {
-        for (int x = -1; x <= 1; ++x)
-            for (int y = -1; y <= 1; ++y)
-                for (int z = -1; z <= 1; ++z) add(v.offsetBy(x, y, z));
-    };
     for (const Coord& v : kinks) add(v);
     std::vector<EdgeDistance> all;
     while (!front.empty()) {
@@ -248,7 +243,7 @@ std::vector<EdgeDistance> distancesToUnionEdges(const openvdb::FloatGrid& psi,
         for (std::size_t k = 0; k < here.size(); ++k) {
             if (!(found[k] > 0)) continue;
             all.push_back({here[k], std::copysign(found[k], psi.tree().getValue(here[k]))});
-            addAround(here[k]);
+            forBox(here[k], 1, add);
         }
     }
     return all;
