@@ -67,7 +67,7 @@ double unequalOn(const RandomCase& c, const openvdb::FloatGrid::Ptr& grid) {
 double unitsOfTwo(const RandomCase& c) {
     Random random = c.random(kUnits);
     const int power = int(random.between(-6, 31));
-    return unequalOn(c, inUnits(*c.levelSet.psi, std::ldexp(1.0, power)));
+    return unequalOn(c, inUnits(*c.psi, std::ldexp(1.0, power)));
 }
 
 double transformMoved(const RandomCase& c) {
@@ -75,7 +75,7 @@ double transformMoved(const RandomCase& c) {
     const openvdb::Vec3d axis = random.direction(), to = random.direction();
     const double angle = random.between(0, 360), far = std::pow(10.0, random.between(0, 6));
     const double dx = c.band.transform.dx;
-    auto moved = c.levelSet.psi->deepCopy();
+    auto moved = c.psi->deepCopy();
     moved->setTransform(rotatedTransform(dx, axis, angle, far * dx * to));
     return unequalOn(c, moved);
 }
@@ -106,7 +106,7 @@ std::vector<SurfacePoint> turned(const RandomCase& c, const Band& to, const Turn
 double unitsOfAnySize(const RandomCase& c) {
     Random random = c.random(kUnits);
     const double factor = std::pow(10.0, random.between(-2, 3));
-    const Band band = bandOf(checkedLevelSet(inUnits(*c.levelSet.psi, factor)));
+    const Band band = bandOf(checkedLevelSet(inUnits(*c.psi, factor)));
     const Field field = marchJet(band, {}, turned(c, band, {}));
     return worstBetween(c.all, field, {});
 }
@@ -114,7 +114,7 @@ double unitsOfAnySize(const RandomCase& c) {
 double axesTurned(const RandomCase& c) {
     Random random = c.random(kTurn);
     const Turn turn = allTurns()[std::size_t(random.between(1, 48))];
-    const Band band = bandOf(checkedLevelSet(mapVoxels(*c.levelSet.psi, turn)));
+    const Band band = bandOf(checkedLevelSet(mapVoxels(*c.psi, turn)));
     if (band.size() != c.band.size()) return kInfinity;
     const Field field = marchJet(band, {}, turned(c, band, turn));
     return worstBetween(c.all, field, turn);
@@ -122,7 +122,7 @@ double axesTurned(const RandomCase& c) {
 double axesTurnedGodunov(const RandomCase& c) {
     Random random = c.random(kTurn);
     const Turn turn = allTurns()[std::size_t(random.between(1, 48))];
-    const Band band = bandOf(checkedLevelSet(mapVoxels(*c.levelSet.psi, turn)));
+    const Band band = bandOf(checkedLevelSet(mapVoxels(*c.psi, turn)));
     if (band.size() != c.band.size()) return kInfinity;
     const Field field = godunov(band, turned(c, band, turn));
     return worstBetween(c.allGodunov, field, turn) / c.allGodunov.maxDistance;

@@ -15,14 +15,14 @@ namespace {
 /// The band of purposes of RandomCase::random that the case itself uses.
 enum : unsigned { kPlace, kSeeds };
 
-LevelSet randomCheckedLevelSet(unsigned number, double blend) {
+openvdb::FloatGrid::Ptr randomPsi(unsigned number, double blend) {
     Random random(number * 16 + kPlace);
     const double dx = random.between(0.7, 1.1), angle = random.between(0, 360);
     const openvdb::Vec3d axis = random.direction(), aside = random.direction();
     const auto transform = rotatedTransform(dx, axis, angle, 30 * aside);
     // Units last: psi is as good a distance in any of them.
     const double unit = std::pow(10.0, random.between(-2, 4));
-    return checkedLevelSet(inUnits(*randomLevelSet(number, blend, *transform), unit));
+    return inUnits(*randomLevelSet(number, blend, *transform), unit);
 }
 
 /// Foot points of the core that are connected with a point on the outer surface: there may be
@@ -55,7 +55,8 @@ Band bandOf(const LevelSet& levelSet) { return bandFromLevelSet(levelSet, std::s
 RandomCase::RandomCase(unsigned aNumber)
     : number(aNumber),
       // As wide as creases have to be to be seen on the grid, or none.
-      levelSet(randomCheckedLevelSet(number, number % 2 ? 5 : 0)),
+      psi(randomPsi(number, number % 2 ? 5 : 0)),
+      levelSet(checkedLevelSet(psi->deepCopy())),
       band(bandOf(levelSet)),
       sharp(number % 2 == 0 || sheetsMeet(band)),
       seeds(randomSeeds(random(kSeeds), band)) {

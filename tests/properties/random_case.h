@@ -18,6 +18,7 @@ struct RandomCase : Pinned {
     explicit RandomCase(unsigned number);
 
     unsigned number;
+    openvdb::FloatGrid::Ptr psi;  ///< as a file has it: the check may change that of `levelSet`
     LevelSet levelSet;
     Band band;
     bool sharp;  ///< creases where parts meet, or sheets within two voxels of each other

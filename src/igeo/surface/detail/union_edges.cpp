@@ -178,7 +178,9 @@ private:
         return nearest(v, [&](const Face& f) {
             const double away = length(f.at - here),
                          bend = std::min(std::abs(f.laplacian) / 2 * away * away, kMostBend);
-            return std::abs(f.height(here) + depth) < kOff + bend ? away : kInfinity;
+            // Of planes equally near the one that fits best: it is the same on turned axes.
+            const double off = std::abs(f.height(here) + depth);
+            return off < kOff + bend ? away + off : kInfinity;
         });
     }
     /// To the line in which planes meet, if it is the nearest part of what is above both.
