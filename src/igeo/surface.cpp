@@ -34,15 +34,15 @@ Error::Kind kindOfRefusal(const VoxelOptions& voxels) {
 
 void warnUnresolved(const BandBounds& bounds, BandWidth& width) {
     if (!bounds.resolved)
-        width.warnings.push_back(
-            "in places the surface bends or folds within " +
-            fmt::format("{:.2g} voxels", bounds.lower) +
-            ", less than the grid resolves: distances are less accurate there than elsewhere");
+        width.warnings.push_back(fmt::format(
+            "the surface bends or folds within {:.2g} voxels on {} of it, less than the "
+            "grid resolves: distances are less accurate there than elsewhere",
+            bounds.lower, percent(bounds.unresolvedShare)));
 }
 
 /// h within the bounds of M&S (14): the given one, or the best.
 BandWidth choose(Scheme scheme, const BandBounds& bounds, double best, double asked, double dx) {
-    BandWidth width{scheme, best, bounds.lower, bounds.upper};
+    BandWidth width{scheme, best, bounds.lower, bounds.upper, bounds.unresolvedShare};
     if (asked > 0) width.h = requireBandWidth(asked, bounds, dx);
     warnUnresolved(bounds, width);
     return width;
@@ -50,7 +50,7 @@ BandWidth choose(Scheme scheme, const BandBounds& bounds, double best, double as
 
 BandWidth chooseByStats(Scheme scheme, int order, double asked, const LevelSetStats& stats,
                         double dx) {
-    const BandBounds bounds = bandBounds(stats.largestCurvature, stats.reach, stats.halfWidth);
+    const BandBounds bounds = bandBounds(stats);
     // jet works on foot points; the narrowest band is enough.
     const double best = scheme == Scheme::Jet
                             ? bounds.lower

@@ -53,6 +53,8 @@ struct SurfaceFacts {
 struct BandWidth {
     Scheme scheme = Scheme::Jet;         ///< the scheme that it is for
     double h = 0, lower = 0, upper = 0;  ///< voxels; the bounds: lower <= h < upper
+    /// Of S: where it bends or folds within `lower`; empty where h asks for no bounds.
+    std::optional<double> unresolvedShare = {};
     std::vector<std::string> warnings = {};
 };
 

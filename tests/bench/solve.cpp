@@ -110,7 +110,7 @@ void benchSolve(const Arguments& args) {
     LevelSet levelSet = checkLevelSet(std::move(loaded));
     stages.finished("check");
     const LevelSetStats& stats = levelSet.stats;
-    const BandBounds bounds = bandBounds(stats.largestCurvature, stats.reach, stats.halfWidth);
+    const BandBounds bounds = bandBounds(stats);
     const double h =
         order == 0 ? bounds.lower : defaultBandWidth(order, stats.largestCurvature, bounds);
     widen(levelSet, h);

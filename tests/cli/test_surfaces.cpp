@@ -144,6 +144,8 @@ TEST_CASE("what the voxels do not show is said, by a run, its report and info") 
     // Walls of one and of two voxels.
     desk.make("thin.vdb", "thin-sheet --param thickness=0.05");
     said("--sdf thin.vdb", "0,0,0.025", "thinner than 1.1 voxels", "thinShare");
+    said("--sdf thin.vdb", "0,0,0.025", "bends or folds within 1.7 voxels on 100 % of it",
+         "bentShare");
     desk.make("thick.vdb", "thin-sheet --param thickness=0.1");
     said("--sdf thick.vdb", "0,0,0.05", "thinner than 1.1 voxels", "");
     // A plate with a tunnel of 0.4 and of 4 voxels.

@@ -31,9 +31,7 @@ std::vector<Vec3d> torusPoints() {
 Band bandOf(const openvdb::FloatGrid::Ptr& grid, double h, int order) {
     LevelSet surface = checkedLevelSet(grid);
     const LevelSetStats& st = surface.stats;
-    if (h == 0)
-        h = defaultBandWidth(order, st.largestCurvature,
-                             bandBounds(st.largestCurvature, st.reach, st.halfWidth));
+    if (h == 0) h = defaultBandWidth(order, st.largestCurvature, bandBounds(st));
     return bandFromLevelSet(surface, h);
 }
 

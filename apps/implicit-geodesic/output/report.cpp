@@ -259,6 +259,7 @@ std::string reportJson(const RunReport& r, const Field& field, const Extent& who
         {"nodes", band.size()}, {"leaves", band.leaves.size()}, {"bytes", band.memUsage()}};
     j["unresolved"] = unresolvedJson(r.unresolved);
     j["unresolved"]["facingShare"] = shareOrNull(r.unresolved.facing);
+    j["unresolved"]["bentShare"] = shareOrNull(r.width.unresolvedShare);
     j["distance"] = {{"reached", whole.reached},
                      {"unreached", whole.nodes - whole.reached},
                      {"max", whole.maxDistance * dx},

@@ -69,6 +69,7 @@ json surfaceJson(const FileSurvey& file) {
     j["reach"] = stats.reach < stats.halfWidth ? json(stats.reach * dx) : json(nullptr);
     j["facingShare"] = s.facingShare;
     j["unresolved"] = unresolvedJson(s.unresolved);
+    j["unresolved"]["bentShare"] = s.bounds.unresolvedShare;
     j["clearance"] = {{"radius95", finiteOrNull(s.medialRadius * dx)},
                       {"facingRadius99", finiteOrNull(s.facingRadius * dx)},
                       {"resolvingVoxelSize", finiteOrNull(s.resolvingSize * dx)}};

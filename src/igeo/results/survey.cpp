@@ -261,7 +261,7 @@ SurfaceSurvey survey(const LevelSet& levelSet, const Band& band, const SurfaceMe
                      Progress& progress) {
     const LevelSetStats& stats = levelSet.stats;
     SurfaceSurvey s;
-    s.bounds = bandBounds(stats.largestCurvature, stats.reach, stats.halfWidth);
+    s.bounds = bandBounds(stats);
     s.godunovBand = defaultBandWidth(2, stats.largestCurvature, s.bounds);
     const std::vector<NodeIndex> nodes = coreNodes(band);
     const std::vector<Judgement> judged =
@@ -358,9 +358,9 @@ std::string FileSurvey::verdict() const {
     line += fmt::format(", genus {}{}", genus, components.size() == 1 ? "" : " together");
     if (surface->bounds.resolved) return line + ", resolved";
     return fmt::format(
-        "{}; in places the surface bends or folds within {:.2g} voxels, less than the grid "
+        "{}; the surface bends or folds within {:.2g} voxels on {} of it, less than the grid "
         "resolves",
-        line, surface->bounds.lower);
+        line, surface->bounds.lower, percent(surface->bounds.unresolvedShare));
 }
 
 bool holdsPoints(const GridEntry& grid) {
@@ -382,7 +382,7 @@ FileSurvey surveyFile(const GridSource& source, Progress& progress) {
     if (file.levelSet.transform.dx > 0 && file.levelSet.psi) measureBox(file);
     if (file.refusal) return file;
     const LevelSetStats& stats = file.levelSet.stats;
-    const BandBounds bounds = bandBounds(stats.largestCurvature, stats.reach, stats.halfWidth);
+    const BandBounds bounds = bandBounds(stats);
     file.band = bandFromLevelSet(file.levelSet, bounds.lower, {}, progress);
     file.surface =
         survey(file.levelSet, file.band, surfaceMesh(file.levelSet, file.band, progress), progress);

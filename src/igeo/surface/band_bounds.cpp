@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/base/error.h>
+#include <igeo/surface/level_set.h>
 
 #include <algorithm>
 #include <cmath>
@@ -27,6 +28,12 @@ BandBounds bandBounds(double largestCurvature, double reach, double halfWidth, d
     }
     b.resolved = b.upper > b.lower;
     b.upper = std::max(b.upper, b.lower);
+    return b;
+}
+
+BandBounds bandBounds(const LevelSetStats& stats) {
+    BandBounds b = bandBounds(stats.largestCurvature, stats.reach, stats.halfWidth);
+    b.unresolvedShare = stats.unresolvedShare;
     return b;
 }
 

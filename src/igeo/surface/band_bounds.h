@@ -6,14 +6,17 @@
 
 namespace igeo {
 
+struct LevelSetStats;
+
 /// M&S (14) in voxels: sqrt(3) <= h < min(1 / M_S, W).
 struct BandBounds {
     /// sqrt(3), so that all corners of all cells that S passes are in the band; more for balls
     /// around points, which must overlap
     double lower;
-    double upper;     ///< h must be less; never below `lower`
-    std::string why;  ///< what sets `upper`, for messages
-    bool resolved;    ///< false: S bends or folds within sqrt(3) voxels, so (14) cannot be met
+    double upper;                ///< h must be less; never below `lower`
+    std::string why;             ///< what sets `upper`, for messages
+    bool resolved;               ///< false: S bends or folds within `lower`, so (14) cannot be met
+    double unresolvedShare = 0;  ///< of S: where it does
 };
 
 /// @param largestCurvature M_S, per voxel (LevelSetStats::largestCurvature); 0: flat
@@ -22,6 +25,7 @@ struct BandBounds {
 /// @param lower            lower bound of h, voxels
 BandBounds bandBounds(double largestCurvature, double reach, double halfWidth,
                       double lower = std::sqrt(3.0));
+BandBounds bandBounds(const LevelSetStats& stats);
 
 /// The half-width, voxels, at which the error of `godunov` is least: max(sqrt(3), (R/dx)^e), R =
 /// 1/M_S, within the bounds.

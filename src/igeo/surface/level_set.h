@@ -31,6 +31,7 @@ struct LevelSetStats {
     std::uint64_t cutVoxels = 0;  ///< at the surface, yet a neighbor that should be there is not
     double largestCurvature = 0;  ///< 95th percentile of max |principal curvature| on S
     double reach = 0;             ///< least |psi| at which sheets meet; halfWidth if they do not
+    double unresolvedShare = 0;   ///< of S: it bends, or sheets meet, within sqrt(3) voxels
 };
 
 /// A usable level set.

@@ -237,6 +237,19 @@ void undoConversion(LevelSet& s) {
     s.psi = psi;
 }
 
+/// LevelSetStats::unresolvedShare.
+double unresolvedShare(const PsiTally& all) {
+    if (all.nearSurface == 0) return 0;
+    const double least = std::sqrt(3.0), measured = double(all.curvature.total());
+    const double bent =
+        measured > 0 ? 1 - double(all.curvature.countBelow(scaleOfCurvature(1 / least))) / measured
+                     : 0;
+    // Halfway between two sheets lies one voxel per unit of area, and near each of them are two.
+    const double meeting =
+        4 * double(all.meeting.countBelow(least / PsiTally::kReachRange)) / double(all.nearSurface);
+    return std::min(bent + meeting, 1.0);
+}
+
 /// @return voxels where |psi| has a sharp convex kink
 std::vector<openvdb::Coord> measure(LevelSet& s, Progress& progress) {
     const std::vector<const Leaf*> leaves = leavesOf(*s.psi);
@@ -262,6 +275,7 @@ std::vector<openvdb::Coord> measure(LevelSet& s, Progress& progress) {
     // One surface voxel in 200 may lie at a place where sheets meet before it counts.
     const double meeting = all.meeting.valueAfter(all.nearSurface / 200) * PsiTally::kReachRange;
     st.reach = std::min(meeting, st.halfWidth);
+    st.unresolvedShare = unresolvedShare(all);
     return all.ridges;
 }
 

@@ -60,6 +60,12 @@ double MedialRadii::quantile(const std::vector<double>& sorted, double share) {
     return sorted[std::min(sorted.size() - 1, std::size_t(share * double(sorted.size())))];
 }
 
+double MedialRadii::shareBelow(const std::vector<double>& sorted, double value) {
+    if (sorted.empty()) return 0;
+    const auto end = std::lower_bound(sorted.begin(), sorted.end(), value);
+    return double(end - sorted.begin()) / double(sorted.size());
+}
+
 MedialRadii medialRadii(const std::vector<Vec3d>& points, const std::vector<Vec3d>& normals,
                         std::size_t samples) {
     const std::size_t n = points.size(), asked = std::min(samples, n);

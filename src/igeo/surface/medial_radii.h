@@ -21,6 +21,8 @@ struct MedialRadii {
 
     /// The value below which a share of the samples lies; kInfinity if there are none.
     static double quantile(const std::vector<double>& sorted, double share);
+    /// The share of the samples below a value; 0 if there are none.
+    static double shareBelow(const std::vector<double>& sorted, double value);
 };
 
 /// Finds the balls by shrinking them around the nearest point found inside (Ma, Bae and Choi, 3D

@@ -209,12 +209,19 @@ double defaultBandWidth(const CloudDensity& density, PointBandKind kind, double 
 
 BandBounds bandBounds(const PointSurface& surface, PointBandKind kind, double dx) {
     const std::size_t n = surface.points().size();
+    const double lower = defaultBandWidth(surface.density(), kind, dx);
     std::vector<Vec3d> points(n), normals(n);
-    for (std::size_t i = 0; i < n; ++i)
+    std::size_t bent = 0;
+    for (std::size_t i = 0; i < n; ++i) {
         points[i] = surface.points()[i], normals[i] = surface.normal(i);
-    const double reach = MedialRadii::quantile(medialRadii(points, normals).facing, 0.01) / dx;
-    return bandBounds(surface.density().largestCurvature * dx, reach, kInfinity,
-                      defaultBandWidth(surface.density(), kind, dx));
+        bent += surface.curvature(i) * lower * dx > 1;
+    }
+    const MedialRadii radii = medialRadii(points, normals);
+    const double reach = MedialRadii::quantile(radii.facing, 0.01) / dx;
+    BandBounds b = bandBounds(surface.density().largestCurvature * dx, reach, kInfinity, lower);
+    const double folded = MedialRadii::shareBelow(radii.facing, lower * dx);
+    b.unresolvedShare = std::min(double(bent) / double(n) + folded, 1.0);
+    return b;
 }
 
 Band bandFromPoints(const PointSurface& surface, PointBandKind kind, double dx, double h,

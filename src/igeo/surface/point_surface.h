@@ -55,6 +55,8 @@ public:
     const PointTree& points() const { return points_; }
     /// The normal of the fit at a point; all on one side of a two-sided surface.
     const Vec3d& normal(std::size_t i) const { return normals_[i]; }
+    /// The larger principal curvature of the fit at a point, 1 / world length.
+    double curvature(std::size_t i) const { return curvature_[i]; }
 
     /// A foot point, world units.
     struct Foot {

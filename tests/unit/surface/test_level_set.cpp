@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <vector>
 
 namespace igeo::test {
@@ -128,6 +129,37 @@ TEST_CASE("checkLevelSet: reach of a thin sheet is half its thickness") {
     // Thicker than the narrow band: nothing to see.
     const auto thick = statsOf(thinSheet(kOffLattice, 1, 1, 8 * 0.05), 0.05);
     CHECK(thick.reach == thick.halfWidth);
+}
+
+TEST_CASE("checkLevelSet: the share of the surface that the grid does not resolve") {
+    const double dx = 0.05;
+    const auto beside = [](const Shape& a, const Shape& b) {
+        const auto sdf = [=](const openvdb::Vec3d& p) { return std::min(a.sdf(p), b.sdf(p)); };
+        openvdb::BBoxd bounds = a.bounds;
+        bounds.expand(b.bounds);
+        return Shape{"two", sdf, bounds, true, nullptr};
+    };
+    const openvdb::Vec3d away(3, 0, 0);
+    const Shape ball = sphere(kOffLattice, 20 * dx);
+    const double areaOfBall = 4 * std::numbers::pi * 400;
+    CHECK(statsOf(ball, dx).unresolvedShare == 0);
+    // Sheets of 40 by 40 voxels, whose sides meet: two sides and a rim.
+    for (const double thick : {2.4, 3.2}) {
+        const double area = 2 * 40 * 40, share = area / (area + 4 * 40 * thick + areaOfBall);
+        const Shape sheet = thinSheet(kOffLattice + away, 1, 1, thick * dx);
+        const double found = statsOf(beside(ball, sheet), dx).unresolvedShare;
+        INFO("thick " << thick << ", share " << share << ", found " << found);
+        CHECK(found / share == Approx(1).epsilon(0.14));  // measured 0.089: the rim bends
+    }
+    // Small balls, all of which bends.
+    for (const double radius : {1.3, 1.6}) {
+        const double area = 4 * std::numbers::pi * radius * radius,
+                     share = area / (area + areaOfBall);
+        const double found =
+            statsOf(beside(ball, sphere(kOffLattice + away, radius * dx)), dx).unresolvedShare;
+        INFO("radius " << radius << ", share " << share << ", found " << found);
+        CHECK(found / share == Approx(1).epsilon(0.47));  // measured 0.31, of some 40 voxels
+    }
 }
 
 TEST_CASE("checkLevelSet: closed surfaces see the other sign next to them") {
@@ -331,7 +363,7 @@ TEST_CASE("checkLevelSet: a level set that is narrow on one side only is widened
                 if (shape.name != "sphere") continue;
                 const Vec3d center = fromVdb(kOffLattice), out{1, 0, 0};
                 const Distance d = GeodesicSolver(Surface(*grid)).distance({center + out});
-                const double off = std::abs(d.at(center - out) / M_PI - 1);
+                const double off = std::abs(d.at(center - out) / std::numbers::pi - 1);
                 std::printf("sphere, %.1f voxels on side %d: off by %.5f %%\n", width, side,
                             100 * off);
                 CHECK(off < 0.0001);  // measured 0.000065

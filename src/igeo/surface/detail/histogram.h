@@ -35,6 +35,11 @@ public:
             if ((sum += counts_[k]) > count) return (double(k) + 0.5) / double(kBins);
         return 1;
     }
+    /// Entries in bins below that of `x`.
+    std::uint64_t countBelow(double x) const {
+        return std::accumulate(counts_.begin(), counts_.begin() + std::ptrdiff_t(binOf(x)),
+                               std::uint64_t(0));
+    }
     /// Share of the entries in [lo, hi]; 1 if there are none.
     double share(double lo, double hi) const {
         std::uint64_t sum = 0;
