@@ -44,6 +44,7 @@ inline Json shareOrNull(const std::optional<double>& share) {
 inline Json unresolvedJson(const igeo::Unresolved& u) {
     return {{"thinShare", shareOrNull(u.thin)},
             {"closedShare", shareOrNull(u.closed)},
+            {"gapShare", shareOrNull(u.gap)},
             {"cutOffShare", shareOrNull(u.cutOff)},
             {"eulerDifference", u.eulerDifference ? Json(*u.eulerDifference) : Json(nullptr)}};
 }

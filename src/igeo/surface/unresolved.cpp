@@ -21,6 +21,11 @@ constexpr double kResolved = 1.1;
 /// Cosine of normals across a wall or gap; those of faces that meet in an edge of more than 26
 /// degrees are less opposite.
 constexpr float kParallel = -0.9f;
+/// Voxels. In narrower gaps a conversion by OpenVDB may give voxels the sign of the inside:
+/// measured.
+constexpr double kOpenGap = 2.3;
+/// Cosine of normals across such a gap, also between round parts.
+constexpr float kAcrossGap = -0.7f;
 /// Voxels. Values that OpenVDB lowers beside bends contradict others by up to 0.35.
 constexpr float kContradiction = 0.4f;
 /// Within this many steps of a contradiction, S is considered affected.
@@ -176,6 +181,25 @@ bool isOnIsland(const Band& band, NodeIndex node) {
     return size < part.size() && !alone;
 }
 
+/// What faces a core node within two steps.
+struct FacingSheets {
+    bool thin = false;  ///< one nearly parallel, closer than voxels resolve
+    bool gap = false;   ///< one outside, as close as in gaps that a conversion may close
+};
+
+FacingSheets facingSheets(const Band& band, NodeIndex i) {
+    FacingSheets found;
+    band.forBox(&BandLeaf::band, i, {}, 2, [&](NodeIndex j, const Ijk&) {
+        const float cosine = dot(band.normal[i], band.normal[j]);
+        if (cosine >= kAcrossGap) return;
+        const Vec3d across = band.footPoint(j) - band.footPoint(i);
+        const double apart = length(across);
+        found.thin |= cosine < kParallel && apart < kResolved;
+        found.gap |= apart < kOpenGap && dot(across, Vec3d(band.normal[i])) > 0;
+    });
+    return found;
+}
+
 double shareOf(const std::vector<std::uint8_t>& marked) {
     const auto count = std::count(marked.begin(), marked.end(), std::uint8_t(1));
     return double(count) / double(std::max<std::size_t>(marked.size(), 1));
@@ -184,7 +208,8 @@ double shareOf(const std::vector<std::uint8_t>& marked) {
 }  // namespace
 
 Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
-    std::vector<std::uint8_t> thin(band.coreSize()), closed(thin), cutOff(thin);
+    std::vector<std::uint8_t> thin(band.coreSize()), closed(thin), cutOff(thin), gap(thin);
+    const bool converted = levelSet.stats.conversionUndone;
     parallelFor(band.leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
         LeafBlock block;
         const LeafBlock::Accessor psi(levelSet.psi->constTree());
@@ -205,8 +230,11 @@ Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
                 if (!marks) continue;
                 const unsigned at = band.placeOf(i).offset;
                 if (const NodeIndex k = leaf.core.node(at); k != kNoNode) {
-                    if (marks & Band::kFacing)
-                        thin[k] = 2 * reachAt(band, i, kParallel) < kResolved;
+                    if (marks & Band::kFacing) {
+                        const FacingSheets sheets = facingSheets(band, i);
+                        thin[k] = sheets.thin;
+                        gap[k] = sheets.gap;
+                    }
                     if (marks & (Band::kFacing | Band::kSevered)) cutOff[k] = isOnIsland(band, i);
                 }
                 if (marks & Band::kKink && std::abs(band.psi[i]) >= kLeastPsi && isClosed(i, at) &&
@@ -219,6 +247,7 @@ Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
     unresolved.thin = shareOf(thin);
     unresolved.closed = shareOf(closed);
     unresolved.cutOff = shareOf(cutOff);
+    if (converted) unresolved.gap = shareOf(gap);
     return unresolved;
 }
 
@@ -300,17 +329,21 @@ Unresolved unresolvedOf(const MeshFacts& facts, const Band& band) {
 
 std::vector<std::string> unresolvedWarnings(const Unresolved& unresolved) {
     // Smaller shares occur next to sharp edges, and where a conversion has rounded bends.
-    constexpr double kClosed = 0.001, kThin = 0.005, kCutOff = 0.001, kFacing = 0.02;
+    constexpr double kClosed = 0.001, kThin = 0.005, kCutOff = 0.001, kFacing = 0.02, kGap = 0.001;
     std::vector<std::string> warnings;
     auto warn = [&](const std::optional<double>& share, double much, const char* sentence) {
         if (!share || *share < much) return false;
         warnings.push_back(fmt::format(fmt::runtime(sentence), percent(*share)));
         return true;
     };
-    warn(unresolved.closed, kClosed,
-         "psi contradicts itself next to {} of the surface: where folds or gaps of up to two "
-         "voxels were closed when the level set was made, distances across them come out too "
-         "short; smaller voxels, or the mesh itself, keep them open");
+    if (!warn(unresolved.closed, kClosed,
+              "psi contradicts itself next to {} of the surface: where folds or gaps of up to two "
+              "voxels were closed when the level set was made, distances across them come out too "
+              "short; smaller voxels, or the mesh itself, keep them open"))
+        warn(unresolved.gap, kGap,
+             "gaps are narrower than 2.3 voxels on {} of the surface: OpenVDB's conversion from a "
+             "mesh closes parts of such gaps, and then fronts cross them and distances come out "
+             "too short; smaller voxels, or the mesh itself, keep them open");
     warn(unresolved.thin, kThin,
          "walls or gaps are thinner than 1.1 voxels on {} of the surface: fronts may cross "
          "them, and distances come out too short; smaller voxels separate their sides");

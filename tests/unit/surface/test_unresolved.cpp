@@ -117,6 +117,37 @@ TEST_CASE("unresolved: gaps that a conversion closed, by psi alone") {
     }
 }
 
+TEST_CASE("unresolved: gaps between round parts, which a conversion closes without a trace") {
+    for (const double gap : {0.5, 1.0, 1.5, 2.0, 3.0, 4.0}) {
+        INFO("gap of " << gap);
+        const double r = 10, at = r + gap / 2;
+        const TriangleMesh two =
+            together(sphereMesh({-at, 0, 0}, r, 4), sphereMesh({at, 0, 0}, r, 4));
+        double least = 1, most = 0;
+        int seen = 0, joined = 0;
+        for (int k = 0; k < 6; ++k) {
+            const auto transform = rotatedTransform(1, {1.0 + k, 2, 3.0 - k}, 40 + 25.0 * k,
+                                                    {0.13 * k, 0.31 * k, 0.2});
+            const auto placed = [&](const Vec3d& p) {
+                const openvdb::Vec3d q = transform->indexToWorld(openvdb::Vec3d(p.x, p.y, p.z));
+                return Vec3d{q.x(), q.y(), q.z()};
+            };
+            const auto psi = converted(moved(two, placed));
+            const Unresolved u = unresolved(psi);
+            seen += warns(u, "closes parts of such gaps") || warns(u, "closed when the level set");
+            least = std::min(least, *u.gap);
+            most = std::max(most, *u.gap);
+            const Distance d = GeodesicSolver(Surface(*psi)).distance({placed({-at - r, 0, 0})});
+            joined += d.at(placed({at + r, 0, 0})) < kInfinity;
+        }
+        std::printf("balls, gap of %.1f voxels: narrow on %.2g to %.2g %%, joined %d times of 6\n",
+                    gap, 100 * least, 100 * most, joined);
+        CHECK(seen == (gap < 2.5 ? 6 : 0));
+        if (gap > 2.5) CHECK(joined == 0);
+    }
+    CHECK_FALSE(unresolved(makeLevelSet(sphere(kOffLattice, 0.5), 0.05, 3)).gap);
+}
+
 TEST_CASE("unresolved: no closed gaps beside the hollow edges of unions and differences") {
     const openvdb::Vec3d o(0);
     const struct {
