@@ -261,6 +261,86 @@ TEST_CASE("thin meshes: folds", "[mesh]") {
         }
 }
 
+/// Where on an outline, and y.
+struct OnSwept {
+    OnOutline on;
+    double y;
+};
+
+TEST_CASE("thin meshes: beside a fold the nearest seed of a group counts", "[mesh]") {
+    // The first seed is beside the fold, and sees points of both pages up to 12 voxels off.
+    const OnSwept seeds[] = {{{0, 0}, 2}, {{0, 9}, 12}};
+    for (const double degrees : {4, 8, 12}) {
+        const Outline o = book(degrees, 2, 0, 0);
+        const Swept swept(o, 1, 7);
+        const Surface surface(swept.mesh, {.size = 1});
+        const GeodesicSolver solver(surface);
+        const auto pointAt = [&](const OnSwept& at) {
+            for (std::size_t v = 0; v < swept.y.size(); ++v)
+                if (swept.place[v].line == at.on.line && swept.y[v] == at.y &&
+                    std::abs(swept.place[v].along - at.on.along) < 1e-9)
+                    return swept.mesh.source->vertices[v];
+            return Vec3d{};
+        };
+        Seeds group;
+        group.groups = {{"", {pointAt(seeds[0]), pointAt(seeds[1])}}};
+        const VertexValues values = vertexValues(swept.mesh, solver.distance(group).field());
+        double low = 0, high = 0;
+        for (std::size_t v = 0; v < values.distance.size(); ++v) {
+            double exact = kInfinity;
+            for (const OnSwept& s : seeds)
+                exact = std::min(
+                    exact, std::hypot(along(o, s.on, swept.place[v]).length, swept.y[v] - s.y));
+            low = std::min(low, values.distance[v] - exact);
+            high = std::max(high, values.distance[v] - exact);
+        }
+        INFO(degrees << " degrees");
+        std::printf("two seeds beside a fold of %.0f degrees: %.3f to %.3f voxels\n", degrees, low,
+                    high);
+        CHECK(low > -0.036);  // measured -0.024
+        CHECK(high < 0.083);  // 0.055
+    }
+}
+
+TEST_CASE("thin meshes: a region of vertices ends at its triangles, and inside it is 0", "[mesh]") {
+    for (const Outline& o : {rib(3, 6), slot(2), folds(5, 4.5)})
+        for (const double step : {0.8, 2.2}) {
+            const Swept swept(o, step, 7);
+            const Surface surface(swept.mesh, {.size = 1});
+            double rim = 0;
+            std::vector<double> way;
+            std::vector<bool> inside;
+            for (const OnOutline& at : swept.place) {
+                way.push_back(along(o, {0, 0}, at).length);
+                inside.push_back(way.back() < 11);
+                if (inside.back()) rim = std::max(rim, way.back());
+            }
+            const auto region = std::make_shared<ObstacleSet>(surface.transform());
+            region->addVertexRegion(*surface.triangles(), inside);
+            const GeodesicSolver solver(surface);
+            double low = 0, high = 0, within = 0;
+            for (const bool isSigned : {false, true}) {
+                Seeds seeds;
+                seeds.regions = {region};
+                seeds.isSigned = isSigned;
+                const VertexValues values =
+                    vertexValues(swept.mesh, solver.distance(seeds).field());
+                for (std::size_t v = 0; v < way.size(); ++v) {
+                    const double off = way[v] - rim,
+                                 error = values.distance[v] - (isSigned ? off : std::max(0.0, off));
+                    low = std::min(low, error), high = std::max(high, error);
+                    if (inside[v] && !isSigned) within = std::max(within, values.distance[v]);
+                }
+            }
+            INFO(o.name << " in steps of " << step);
+            std::printf("region on a %s: %.3f to %.3f voxels, inside %.3f\n", o.name.c_str(), low,
+                        high, within);
+            CHECK(within == 0);
+            CHECK(low > -0.102);  // measured -0.068
+            CHECK(high < 0.096);  // 0.064
+        }
+}
+
 TEST_CASE("thin meshes: seeds beside an edge", "[mesh]") {
     for (const double off : {0.02, 0.1, 0.3, 0.5})
         for (const Outline& o : {angle(1.6, 12 - 1.6 - off), angle(4, off)}) {

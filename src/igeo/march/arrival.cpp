@@ -72,9 +72,17 @@ public:
           corner_(corner),
           onMesh_(place.onMesh) {}
 
-    Arrival first() const { return field_.atFootPoints ? byJets() : byVoxels(); }
+    Arrival first() const {
+        for (const Field::Region& region : field_.regions)
+            if (isInside(*region.body)) return {0, region.source, nullptr};
+        return field_.atFootPoints ? byJets() : byVoxels();
+    }
 
 private:
+    bool isInside(const Obstacles& region) const {
+        return region.mayBeNear(p_, 1) && region.block(p_, p_, cell_.normal) &&
+               !metric_.blocked(p_, p_, cell_.normal);
+    }
     Arrival byVoxels() const;
     Arrival byJets() const;
     /// Of a source, by its value at the point and its start discs.

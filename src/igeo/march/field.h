@@ -43,6 +43,12 @@ struct Field {
     /// Per band node: negative where the sources enclose it (signed_field.h); empty: distances have
     /// no sign
     std::vector<std::int8_t> sign;
+    /// A region inside which the distance is 0.
+    struct Region {
+        std::shared_ptr<const Obstacles> body;
+        std::uint32_t source;
+    };
+    std::vector<Region> regions;  ///< the first that holds a point counts; none where signs are
     /// The jets of the core, if they are not extended to the band (JetOptions::extend): then
     /// distance, gradient and label are empty, and `at` computes their values. Else null.
     std::shared_ptr<const CoreJets> core;

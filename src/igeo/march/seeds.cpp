@@ -163,7 +163,9 @@ SurfacePoint rimPoint(const Band& band, const Obstacles& region, NodeIndex insid
     double low = 0, high = 1;
     for (int round = 0; round < 10; ++round) {
         const double t = (low + high) / 2;
-        const Vec3d p = in + t * segment;
+        Vec3d p = in + t * segment;
+        // Regions of triangles hold points of them alone.
+        if (band.triangles) projectToSurface(band, p, normal);
         (region.block(p, p, normal) ? low : high) = t;
     }
     SurfacePoint s;
@@ -175,22 +177,9 @@ SurfacePoint rimPoint(const Band& band, const Obstacles& region, NodeIndex insid
     return s;
 }
 
-/// Seeds of the parts of a region that lie between the foot points: its lines, and its voxels that
-/// meet S, where no other seed is near.
-/// @param rim  the seeds by foot points
-std::vector<SurfacePoint> seedsBetween(const Band& band, const Obstacles& region,
-                                       const std::vector<std::uint8_t>& inside,
-                                       const std::vector<SurfacePoint>& rim,
+/// Seeds along the lines of a region.
+std::vector<SurfacePoint> seedsOnLines(const Band& band, const Obstacles& region,
                                        const Progress& progress) {
-    constexpr double kReach = 1.5;  // voxels: how far a voxel that meets S is from it
-    // A point of the region with foot points outside around it is so near to the rim.
-    constexpr double kToRim = 1.25;
-    const SeedsNear rimNear(rim, kToRim);
-    auto isCovered = [&](const Vec3d& p, double within) {
-        bool is = false;
-        rimNear.forNear(p, [&](std::size_t k) { is |= length(rim[k].pIndex - p) < within; });
-        return is;
-    };
     std::vector<SurfacePoint> seeds;
     region.forLines([&](const Obstacles::Line& line) {
         CurveSeeds along(band, 0, progress);
@@ -198,11 +187,42 @@ std::vector<SurfacePoint> seedsBetween(const Band& band, const Obstacles& region
         if (!along.addLine(line.from, line.to))
             throw Error(Error::Kind::InvalidArgument, "an edge of a region leaves the surface",
                         "use smaller voxels");
-        for (SurfacePoint& s : along.seeds) {
-            s.rim = !rim.empty();
-            if (!isCovered(s.pIndex + 0.5 * s.segment, kSegment)) seeds.push_back(s);
-        }
+        seeds.insert(seeds.end(), along.seeds.begin(), along.seeds.end());
     });
+    return seeds;
+}
+
+/// Whether one of some seeds is near to points.
+class Cover {
+public:
+    /// @param within  voxels
+    Cover(const std::vector<SurfacePoint>& seeds, double within)
+        : seeds_(seeds), near_(seeds, within), within_(within) {}
+    bool has(const Vec3d& p) const {
+        bool is = false;
+        near_.forNear(p,
+                      [&](std::size_t k) { is |= length(seeds_[k].nearestTo(p) - p) < within_; });
+        return is;
+    }
+
+private:
+    const std::vector<SurfacePoint>& seeds_;
+    const SeedsNear near_;
+    const double within_;
+};
+
+/// Seeds of the voxels of a region that lie between the foot points and meet S, where no other seed
+/// is near.
+/// @param rim  the other seeds
+std::vector<SurfacePoint> seedsBetween(const Band& band, const Obstacles& region,
+                                       const std::vector<std::uint8_t>& inside,
+                                       const std::vector<SurfacePoint>& rim,
+                                       const Progress& progress) {
+    constexpr double kReach = 1.5;  // voxels: how far a voxel that meets S is from it
+    // A point of the region with foot points outside around it is so near to the rim.
+    constexpr double kToRim = 1.25;
+    const Cover cover(rim, kToRim);
+    std::vector<SurfacePoint> seeds;
     // Whether the foot point of the core that is nearest to a point of S lies inside.
     auto isNextToInside = [&](const Vec3d& p, NodeIndex around) {
         double least = kInfinity;
@@ -224,7 +244,7 @@ std::vector<SurfacePoint> seedsBetween(const Band& band, const Obstacles& region
         Vec3d p = center;
         if (!projectToSurface(band, p, normal)) p = band.footPoint(i);
         const NodeIndex there = band.nodeAt(roundToIjk(p));
-        if (isNextToInside(p, there == kNoNode ? i : there) || isCovered(p, kToRim) ||
+        if (isNextToInside(p, there == kNoNode ? i : there) || cover.has(p) ||
             !region.block(p, p, normal))
             return;
         seeds.push_back(nearestSurfacePoint(band, p));
@@ -237,13 +257,18 @@ std::vector<SurfacePoint> seedsBetween(const Band& band, const Obstacles& region
 
 std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region,
                                       Progress& progress) {
+    constexpr double kLink = 2;  // voxels: so near to a foot point is a rim that a link crosses
     const std::vector<std::uint8_t> inside = nodesInside(band, region, progress);
+    std::vector<SurfacePoint> seeds = seedsOnLines(band, region, progress);
+    const std::vector<SurfacePoint> lines = seeds;
+    const Cover cover(lines, kLink);
     std::vector<std::vector<SurfacePoint>> found(band.leaves.size());
     parallelFor(band.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
             const BandLeaf& leaf = band.leaves[l];
             band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned at) {
-                if (leaf.core.node(at) == kNoNode || !inside[i]) return;
+                if (leaf.core.node(at) == kNoNode || !inside[i] || cover.has(band.footPoint(i)))
+                    return;
                 band.forNeighbors(
                     &BandLeaf::core, LeafIndex(l), at, [&](NodeIndex, int dx, int dy, int dz) {
                         const NodeIndex j = band.neighbor(i, dx, dy, dz);
@@ -254,7 +279,6 @@ std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region,
             });
         }
     });
-    std::vector<SurfacePoint> seeds;
     for (const auto& part : found) seeds.insert(seeds.end(), part.begin(), part.end());
     const std::vector<SurfacePoint> thin = seedsBetween(band, region, inside, seeds, progress);
     seeds.insert(seeds.end(), thin.begin(), thin.end());

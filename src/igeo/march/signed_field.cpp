@@ -178,7 +178,11 @@ void finishInside(const std::vector<std::shared_ptr<const Obstacles>>& regions, 
         // Where regions overlap the first one wins, so it is applied last.
         if (!isSigned) clearInside(inside, std::uint32_t(first + k), field);
     }
-    if (!isSigned) return;
+    if (!isSigned) {
+        for (const auto& region : regions)
+            field.regions.push_back({region, std::uint32_t(first + field.regions.size())});
+        return;
+    }
     if (regions.empty())
         field.sign = signsOfCurves(field, progress);
     else

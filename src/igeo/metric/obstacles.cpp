@@ -32,6 +32,8 @@ constexpr double kBulge = 1.0 / 16, kMostBulge = 1;
 /// How far around the vertices, edges and triangles of a part of a mesh paths are blocked, and the
 /// step between sampled points of a segment: the first is more than half of the second. Voxels.
 constexpr double kPatchFat = 0.2, kPatchStep = 0.25;
+/// How far from a triangle a point of it may be by rounding. Voxels.
+constexpr double kOn = 1e-3;
 /// Width of a cell of `near_`: a query within 5 voxels of a point reads 2 to 3 per axis.
 constexpr double kCell = 8;
 
@@ -244,6 +246,7 @@ void ObstacleSet::addGrid(const ObstacleGrid& source) {
 /// segment's normal and, of the nearest triangle, along its own.
 bool ObstacleSet::patchBlocks(const Patch& patch, const Vec3d& a, const Vec3d& b,
                               const Vec3d& normal) {
+    if (patch.isRegion) return patch.parts->nearest(a, kOn).triangle != SurfaceTriangles::kNone;
     constexpr double kAcross = 0.1;  // on a face beside that of the part it is 0 or less
     const Vec3d along = b - a;
     const double chord = length(along), bulge = std::min(kBulge * chord * chord, kMostBulge),
@@ -273,18 +276,18 @@ bool ObstacleSet::patchBlocks(const Patch& patch, const Vec3d& a, const Vec3d& b
 }
 
 void ObstacleSet::addVertices(const TriangleMesh& mesh, const std::vector<bool>& blocked) {
-    addParts(mesh, blocked, 1);
+    addParts(mesh, blocked, false);
 }
 
 void ObstacleSet::addVertexRegion(const TriangleMesh& mesh, const std::vector<bool>& inside) {
-    addParts(mesh, inside, 3);
+    addParts(mesh, inside, true);
     for (const auto& [from, to] : linesOf(mesh, pointsWith(mesh, inside)))
         lines_.push_back({transform_.indexFromWorld(mesh.points[from]),
                           transform_.indexFromWorld(mesh.points[to])});
 }
 
 void ObstacleSet::addParts(const TriangleMesh& mesh, const std::vector<bool>& blocked,
-                           std::size_t least) {
+                           bool isRegion) {
     const std::vector<bool> atPoint = pointsWith(mesh, blocked);
     std::vector<Vec3d> points;
     for (const Vec3d& p : mesh.points) points.push_back(transform_.indexFromWorld(p));
@@ -298,7 +301,7 @@ void ObstacleSet::addParts(const TriangleMesh& mesh, const std::vector<bool>& bl
         for (const std::uint32_t c : t)
             if (atPoint[c]) corners.push_back(c);
         any |= !corners.empty();
-        if (corners.size() < least) continue;
+        if (corners.size() < (isRegion ? 3 : 1)) continue;
         // Edges and points become triangles without area.
         corners.resize(3, corners.back());
         parts.push_back({corners[0], corners[1], corners[2]});
@@ -308,7 +311,7 @@ void ObstacleSet::addParts(const TriangleMesh& mesh, const std::vector<bool>& bl
     if (!any)
         throw Error(Kind::BadInput, "the obstacle blocks no vertex of '" + mesh.file + "'",
                     "a vertex is blocked by a value that is not 0, or by the value that is named");
-    if (!parts.empty()) addPatch(std::move(points), std::move(parts), std::move(normals));
+    if (!parts.empty()) addPatch(std::move(points), std::move(parts), std::move(normals), isRegion);
 }
 
 void ObstacleSet::addTriangles(const SurfaceTriangles& mesh, const std::vector<bool>& blocked) {
@@ -316,11 +319,11 @@ void ObstacleSet::addTriangles(const SurfaceTriangles& mesh, const std::vector<b
     std::vector<Vec3d> normals;
     for (std::size_t t = 0; t < mesh.size(); ++t)
         if (blocked[t]) parts.push_back(mesh[t]), normals.push_back(mesh.normal(t));
-    addPatch(mesh.points(), std::move(parts), std::move(normals));
+    addPatch(mesh.points(), std::move(parts), std::move(normals), false);
 }
 
 void ObstacleSet::addPatch(std::vector<Vec3d> points, std::vector<SurfaceTriangles::Triangle> parts,
-                           std::vector<Vec3d> normals) {
+                           std::vector<Vec3d> normals, bool isRegion) {
     for (const SurfaceTriangles::Triangle& t : parts) {
         const Vec3d &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
         const double grown = kReach + kMostBulge + kPatchFat;
@@ -335,7 +338,7 @@ void ObstacleSet::addPatch(std::vector<Vec3d> points, std::vector<SurfaceTriangl
         parts.size(), {SurfaceTriangles::kNone, SurfaceTriangles::kNone, SurfaceTriangles::kNone});
     patches_.push_back(
         {std::make_shared<SurfaceTriangles>(std::move(points), std::move(parts), std::move(alone)),
-         std::move(normals)});
+         std::move(normals), isRegion});
 }
 
 void ObstacleSet::addLevelSet(const openvdb::FloatGrid::ConstPtr& grid, const IndexMap& map) {

@@ -61,8 +61,9 @@ public:
     /// Time O(n log n).
     void addVertices(const TriangleMesh& mesh, const std::vector<bool>& blocked);
 
-    /// A part of the mesh as a region of seeds: triangles between three of the vertices block as
-    /// above; edges without such a triangle and vertices without such an edge are lines alone.
+    /// A part of the mesh as a region of seeds: its points are those of triangles between three of
+    /// the vertices. Edges without such a triangle and vertices without such an edge are lines
+    /// alone.
     /// @throws Error  as addVertices
     /// Time O(n log n).
     void addVertexRegion(const TriangleMesh& mesh, const std::vector<bool>& inside);
@@ -135,12 +136,12 @@ private:
     struct Patch {
         std::shared_ptr<const SurfaceTriangles> parts;
         std::vector<Vec3d> normal;  ///< per part that of its triangle, oriented as in the band
+        bool isRegion = false;      ///< holds points of its triangles alone
     };
-    /// @param least  of the corners of a triangle so many have to be blocked
-    void addParts(const TriangleMesh& mesh, const std::vector<bool>& blocked, std::size_t least);
+    void addParts(const TriangleMesh& mesh, const std::vector<bool>& blocked, bool isRegion);
     /// @param parts  alone, without neighbors
     void addPatch(std::vector<Vec3d> points, std::vector<SurfaceTriangles::Triangle> parts,
-                  std::vector<Vec3d> normals);
+                  std::vector<Vec3d> normals, bool isRegion);
     static bool patchBlocks(const Patch& patch, const Vec3d& a, const Vec3d& b,
                             const Vec3d& normal);
     std::vector<Patch> patches_;

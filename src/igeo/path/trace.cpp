@@ -246,12 +246,12 @@ const SurfacePoint* Tracer::straightAhead(const Vec3d& p, double d) const {
 }
 
 const SurfacePoint* Tracer::regionAround(const Arrival& arrival) const {
-    if (arrival.distance > 0 || (arrival.seed && !arrival.seed->rim)) return nullptr;
-    if (arrival.seed) return arrival.seed;
-    for (std::size_t k = 0; k < field_.seeds.size(); ++k)
-        if (field_.seeds[k].rim && (!field_.labeled() || field_.source[k] == arrival.source))
-            return &field_.seeds[k];
-    return nullptr;
+    if (arrival.distance > 0 || arrival.seed) return nullptr;
+    const bool isRegion =
+        std::any_of(field_.regions.begin(), field_.regions.end(),
+                    [&](const Field::Region& region) { return region.source == arrival.source; });
+    const auto first = std::find(field_.source.begin(), field_.source.end(), arrival.source);
+    return isRegion ? &field_.seeds[std::size_t(first - field_.source.begin())] : nullptr;
 }
 
 void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {

@@ -23,15 +23,14 @@ inline bool takesWalks(const JetCore& core) { return core.band.triangles && core
 double leastOverWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k,
                      const LocalFrame& local, const Vec3d& foot);
 
-/// Whether a front counts that comes to a foot point before its start disc does: of a curve or a
-/// group the seed next to it may lie over an edge, and others lead past that. For one cost in all
-/// directions, on level sets and points.
+/// Whether a front counts that comes to a foot point before its start disc does. Of a curve or a
+/// group the seed next to it may lie over an edge, and others lead past that; and the discs of
+/// seeds beside folds of a mesh reach beyond those of nearer seeds. For one cost in all directions.
 /// @param u, disc  values by the front and by the disc
 inline bool overtakesDisc(const JetCore& core, const JetSeeds& seeds, double u, double disc,
                           double weight) {
     constexpr double kEarlier = 0.25;  // voxels
-    return seeds.points.size() > 1 && core.stretch.empty() && !core.band.triangles &&
-           u < disc - kEarlier * weight;
+    return seeds.points.size() > 1 && core.stretch.empty() && u < disc - kEarlier * weight;
 }
 
 using JetsByNode = std::map<NodeIndex, Solved>;
