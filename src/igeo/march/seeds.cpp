@@ -168,9 +168,10 @@ SurfacePoint rimPoint(const Band& band, const Obstacles& region, NodeIndex insid
         if (band.triangles) projectToSurface(band, p, normal);
         (region.block(p, p, normal) ? low : high) = t;
     }
+    // On a mesh the other end may be beyond a gap.
     SurfacePoint s;
-    s.pIndex = in + (low + high) / 2 * segment;
-    projectToSurface(band, s.pIndex);
+    s.pIndex = in + (band.triangles ? low : (low + high) / 2) * segment;
+    projectToSurface(band, s.pIndex, band.triangles ? normal : Vec3d{});
     s.askedIndex = s.pIndex;
     s.node = inside;
     s.rim = true;
@@ -269,13 +270,18 @@ std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region,
             band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned at) {
                 if (leaf.core.node(at) == kNoNode || !inside[i] || cover.has(band.footPoint(i)))
                     return;
+                const auto addTo = [&](NodeIndex j) {
+                    if (!inside[j]) found[l].push_back(rimPoint(band, region, i, j));
+                };
                 band.forNeighbors(
                     &BandLeaf::core, LeafIndex(l), at, [&](NodeIndex, int dx, int dy, int dz) {
                         const NodeIndex j = band.neighbor(i, dx, dy, dz);
                         if (dot(band.normal[i], band.normal[j]) >= Band::kOtherSheet &&
-                            !inside[j] && !band.severed(i, j))
-                            found[l].push_back(rimPoint(band, region, i, j));
+                            !band.severed(i, j))
+                            addTo(j);
                     });
+                // Over gaps.
+                if (band.joints > 0) band.forBridges(i, [&](const Bridge& b) { addTo(b.to); });
             });
         }
     });
