@@ -180,6 +180,8 @@ TEST_CASE("values per vertex: refusals") {
     requireRefused(desk, run + "--obstacle few.txt", kUnusable,
                    {"few.txt", "2 values", "121 vertices"});
     requireRefused(desk, run + "--obstacle none.txt", kUnusable, {"blocks no vertex", "in.obj"});
+    requireRefused(desk, "--mesh in.obj --seed-mask none.txt", kUnusable,
+                   {"region has no vertex", "in.obj", "inside by a value"});
     requireRefused(desk, run + "--obstacle holes.txt", kUnusable,
                    {"vertex 7", "holes.txt", "NaN", "holes.txt:nan"});
     requireRefused(desk, run + "--obstacle none.txt:x", kUsage, {"'x'", "none.txt"});

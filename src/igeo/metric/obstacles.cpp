@@ -309,8 +309,12 @@ void ObstacleSet::addParts(const TriangleMesh& mesh, const std::vector<bool>& bl
         normals.push_back(normalized(cross(points[t[1]] - first, points[t[2]] - first)));
     }
     if (!any)
-        throw Error(Kind::BadInput, "the obstacle blocks no vertex of '" + mesh.file + "'",
-                    "a vertex is blocked by a value that is not 0, or by the value that is named");
+        throw Error(Kind::BadInput,
+                    fmt::format("the {} no vertex of '{}'",
+                                isRegion ? "region has" : "obstacle blocks", mesh.file),
+                    fmt::format("a vertex is {} by a value that is not 0, or by the value that is "
+                                "named",
+                                isRegion ? "inside" : "blocked"));
     if (!parts.empty()) addPatch(std::move(points), std::move(parts), std::move(normals), isRegion);
 }
 

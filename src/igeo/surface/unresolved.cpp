@@ -112,10 +112,10 @@ double facingShare(const Band& band) {
     return band.coreSize() > 0 ? double(facing) / double(band.coreSize()) : 0;
 }
 
-double reachAt(const Band& band, NodeIndex i, float cosine) {
+double reachAt(const Band& band, NodeIndex i) {
     double least = kInfinity;
     band.forBox(&BandLeaf::band, i, {}, 2, [&](NodeIndex j, const Ijk&) {
-        if (dot(band.normal[i], band.normal[j]) < cosine)
+        if (dot(band.normal[i], band.normal[j]) < Band::kOtherSheet)
             least = std::min(least, length(band.footPoint(j) - band.footPoint(i)) / 2);
     });
     return least;

@@ -37,8 +37,7 @@ struct Unresolved {
 double facingShare(const Band& band);
 
 /// Half the distance to the nearest sheet that faces core node i, voxels; +infinity: none near.
-/// @param cosine  upper bound of that of the two normals
-double reachAt(const Band& band, NodeIndex i, float cosine = Band::kOtherSheet);
+double reachAt(const Band& band, NodeIndex i);
 
 /// psi contradicts itself where it is a distance to no surface. The ball around a voxel with radius
 /// |psi| contains no point of S, so the foot point of a voxel lies outside the balls of its
