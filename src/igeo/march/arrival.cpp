@@ -80,8 +80,7 @@ public:
 
 private:
     bool isInside(const Obstacles& region) const {
-        return region.mayBeNear(p_, 1) && region.block(p_, p_, cell_.normal) &&
-               !metric_.blocked(p_, p_, cell_.normal);
+        return region.contains(p_, cell_.normal) && !metric_.blocked(p_, p_, cell_.normal);
     }
     Arrival byVoxels() const;
     Arrival byJets() const;

@@ -146,7 +146,7 @@ std::vector<std::uint8_t> nodesInside(const Band& band, const Obstacles& region,
     parallelFor(band.size(), 1024, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const Vec3d p = band.footPoint(NodeIndex(i));
-            in[i] = region.mayBeNear(p, 1) && region.block(p, p, Vec3d(band.normal[i]));
+            in[i] = region.contains(p, Vec3d(band.normal[i]));
         }
     });
     return in;
@@ -260,8 +260,7 @@ std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region,
                                       Progress& progress) {
     constexpr double kLink = 2;  // voxels: so near to a foot point is a rim that a link crosses
     const std::vector<std::uint8_t> inside = nodesInside(band, region, progress);
-    std::vector<SurfacePoint> seeds = seedsOnLines(band, region, progress);
-    const std::vector<SurfacePoint> lines = seeds;
+    const std::vector<SurfacePoint> lines = seedsOnLines(band, region, progress);
     const Cover cover(lines, kLink);
     std::vector<std::vector<SurfacePoint>> found(band.leaves.size());
     parallelFor(band.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
@@ -285,6 +284,7 @@ std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region,
             });
         }
     });
+    std::vector<SurfacePoint> seeds = lines;
     for (const auto& part : found) seeds.insert(seeds.end(), part.begin(), part.end());
     const std::vector<SurfacePoint> thin = seedsBetween(band, region, inside, seeds, progress);
     seeds.insert(seeds.end(), thin.begin(), thin.end());

@@ -179,8 +179,8 @@ void finishInside(const std::vector<std::shared_ptr<const Obstacles>>& regions, 
         if (!isSigned) clearInside(inside, std::uint32_t(first + k), field);
     }
     if (!isSigned) {
-        for (const auto& region : regions)
-            field.regions.push_back({region, std::uint32_t(first + field.regions.size())});
+        for (std::size_t k = 0; k < regions.size(); ++k)
+            field.regions.push_back({regions[k], std::uint32_t(first + k)});
         return;
     }
     if (regions.empty())

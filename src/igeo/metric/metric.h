@@ -28,6 +28,11 @@ public:
     /// False only if no obstacle comes within `radius` voxels of p. O(1).
     virtual bool mayBeNear(const Vec3d& p, double radius) const = 0;
 
+    /// Whether a point of S lies inside: as block(p, p, normal), and O(1) far from all obstacles.
+    bool contains(const Vec3d& p, const Vec3d& normal) const {
+        return mayBeNear(p, 1) && block(p, p, normal);
+    }
+
     /// A straight segment on S, or a point of S where both ends are equal.
     struct Line {
         Vec3d from, to;

@@ -98,7 +98,7 @@ ObstacleSet::Parts ObstacleSet::parts(const Band& band, Progress& progress) cons
             parallelFor(band.size(), 1024, progress, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t i = begin; i < end; ++i) {
                     const Vec3d p = band.footPoint(NodeIndex(i));
-                    blocked[i] = mayBeNear(p, 1) && block(p, p, Vec3d(band.normal[i]));
+                    blocked[i] = contains(p, Vec3d(band.normal[i]));
                 }
             });
         }

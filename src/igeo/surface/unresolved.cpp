@@ -209,7 +209,6 @@ double shareOf(const std::vector<std::uint8_t>& marked) {
 
 Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
     std::vector<std::uint8_t> thin(band.coreSize()), closed(thin), cutOff(thin), gap(thin);
-    const bool converted = levelSet.stats.conversionUndone;
     parallelFor(band.leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
         LeafBlock block;
         const LeafBlock::Accessor psi(levelSet.psi->constTree());
@@ -247,7 +246,7 @@ Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
     unresolved.thin = shareOf(thin);
     unresolved.closed = shareOf(closed);
     unresolved.cutOff = shareOf(cutOff);
-    if (converted) unresolved.gap = shareOf(gap);
+    if (levelSet.stats.conversionUndone) unresolved.gap = shareOf(gap);
     return unresolved;
 }
 
