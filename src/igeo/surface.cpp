@@ -7,6 +7,7 @@
 #include <igeo/io/voxel_size.h>
 #include <igeo/results/refined_mesh.h>
 #include <igeo/surface/band_bounds.h>
+#include <igeo/surface/detail/mesh_crossings.h>
 #include <igeo/surface/level_set_band.h>
 #include <igeo/surface/level_set_check.h>
 #include <igeo/surface/mesh_band.h>
@@ -17,6 +18,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <utility>
 
 namespace igeo {
@@ -239,6 +241,7 @@ public:
         facts.file = mesh_.file;
         facts.name = stemOf(mesh_.file);
         facts.mesh = meshFacts(mesh_, progress);
+        separateContacts(length(box.size()));
         facts.halfWidth = kLevelSetWidth;
         facts.diagonal = length(box.size()) / transform.dx;
         facts.snap = kLevelSetWidth * transform.dx;
@@ -270,10 +273,26 @@ public:
     }
     const TriangleMesh* triangles() const override { return &mesh_; }
     const std::vector<Vec3d>* vertices() const override {
-        return mesh_.source ? &mesh_.source->vertices : &mesh_.points;
+        return !separated_.empty() ? &separated_
+               : mesh_.source      ? &mesh_.source->vertices
+                                   : &mesh_.points;
     }
 
 private:
+    /// Points that lie on other faces move off them by 2e-8 of the diagonal, so that a vertex names
+    /// a point of its own faces.
+    void separateContacts(double diagonal) {
+        constexpr double kApart = 2e-8;
+        if (facts.mesh->contacts.empty()) return;
+        separate(mesh_, facts.mesh->contacts, kApart * diagonal);
+        if (!mesh_.source) return;
+        std::set<std::uint32_t> moved;
+        for (const MeshContact& c : facts.mesh->contacts) moved.insert(c.point);
+        separated_ = mesh_.source->vertices;
+        for (std::size_t v = 0; v < separated_.size(); ++v)
+            if (const std::uint32_t p = mesh_.pointOfVertex[v]; moved.count(p) > 0)
+                separated_[v] = mesh_.points[p];
+    }
     Unresolved findUnresolved(const Band& band) const override {
         return unresolvedOf(*facts.mesh, band);
     }
@@ -298,6 +317,7 @@ private:
     }
 
     TriangleMesh mesh_;
+    std::vector<Vec3d> separated_;  ///< the vertices of the file, where points were moved
 };
 
 /// For jet a surface fitted to points, for godunov the union of balls of M&S.

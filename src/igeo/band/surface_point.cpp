@@ -116,6 +116,7 @@ SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex) {
     const auto at = band.triangles ? band.triangles->nearest(pIndex) : SurfaceTriangles::Place{};
     if (at.triangle != SurfaceTriangles::kNone) {
         s.pIndex = at.point;
+        s.triangle = at.triangle;
         // In a thin plate the nearest foot point may lie on the other face.
         best = nearestAround(band, at.point, band.triangles->normal(at.triangle));
         if (best.node == kNoNode) best = nearestNode(band, at.point);
@@ -132,6 +133,36 @@ SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex) {
     if (at.triangle != SurfaceTriangles::kNone && band.facing[s.node] & Band::kBesideSevered)
         s.node = nodeOnSheet(band, at);
     return s;
+}
+
+namespace {
+
+/// Where p is on a mesh; if on several triangles, then on the one that a segment from p to `end`
+/// follows.
+SurfaceTriangles::Place placeAlong(const SurfaceTriangles& triangles, const Vec3d& p,
+                                   const Vec3d& end) {
+    constexpr double kStep = 1e-3, kOn = 1e-6;  // voxels
+    const SurfaceTriangles::Place nearest = triangles.nearest(p);
+    const double l = length(end - p);
+    if (!(l > 0)) return nearest;
+    const std::uint32_t t = triangles.nearest(p + std::min(kStep / l, 0.5) * (end - p)).triangle;
+    const SurfaceTriangles::Place along = triangles.placeOn(t, p);
+    return along.squared <= nearest.squared + kOn * kOn ? along : nearest;
+}
+
+}  // namespace
+
+SurfaceTriangles::Place placeOn(const SurfaceTriangles& triangles, const SurfacePoint& seed,
+                                const Vec3d& p) {
+    if (p == seed.pIndex && seed.triangle != SurfaceTriangles::kNone)
+        return triangles.placeOn(seed.triangle, p);
+    const Vec3d end = seed.pIndex + seed.segment;
+    return placeAlong(triangles, p, length(end - p) < length(seed.pIndex - p) ? seed.pIndex : end);
+}
+
+void takeTriangles(const SurfaceTriangles& triangles, SurfacePoint& from, SurfacePoint& to) {
+    from.triangle = placeAlong(triangles, from.pIndex, to.pIndex).triangle;
+    to.triangle = placeAlong(triangles, to.pIndex, from.pIndex).triangle;
 }
 
 std::vector<NodeIndex> nodesAround(const Band& band, const SurfacePoint& p, double radius) {

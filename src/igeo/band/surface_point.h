@@ -14,6 +14,9 @@ struct SurfacePoint {
     Vec3d pIndex;              ///< on S, index space
     double snapDistance = 0;   ///< |pIndex - askedIndex|, voxels
     NodeIndex node = kNoNode;  ///< node of the band on the same sheet, nearest to pIndex
+    /// Of a mesh the triangle that pIndex lies on, of a segment the one that it starts on; kNone:
+    /// the nearest.
+    std::uint32_t triangle = SurfaceTriangles::kNone;
     double start = 0;   ///< distance at which the front of a seed starts, voxels times weight
     double weight = 1;  ///< the metric's weight here, set by the march
     /// Of S here or in the middle of the segment, set by jet's march. The node may lie on the other
@@ -59,6 +62,15 @@ inline SnappedPoint inWorld(const SurfacePoint& p, const Similarity& transform) 
 /// exact on a mesh; elsewhere the snap distance is the least over the foot points of band voxels,
 /// which are less than a voxel apart.
 SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex);
+
+/// Where a point of a seed is on its mesh; where a segment runs through another face, on the
+/// triangle along which it runs.
+SurfaceTriangles::Place placeOn(const SurfaceTriangles& triangles, const SurfacePoint& seed,
+                                const Vec3d& p);
+
+/// Sets the triangles at both ends of the segment from `from` to `to`, for which the mesh may have
+/// several: those along which it runs.
+void takeTriangles(const SurfaceTriangles& triangles, SurfacePoint& from, SurfacePoint& to);
 
 /// Nodes within `radius` voxels of a point of S that such nodes connect to it, sorted.
 std::vector<NodeIndex> nodesAround(const Band& band, const SurfacePoint& p, double radius);

@@ -64,6 +64,9 @@ public:
     /// Time O(log n). The first call builds the tree, in O(n log n).
     Place nearest(const Vec3d& p, double within = kInfinity, const Vec3d& sheetNormal = {}) const;
 
+    /// The point of a triangle nearest to p.
+    Place placeOn(std::uint32_t t, const Vec3d& p) const;
+
     /// Whether `is` holds of a triangle's point nearest to p, at most `within` from it.
     bool any(const Vec3d& p, double within, const std::function<bool(const Place&)>& is) const;
 
@@ -129,8 +132,6 @@ private:
     template <typename Key, typename Limit, typename Visit>
     void forLeaves(const Key& key, const Limit& limit, const Visit& visit) const;
 
-    /// The point of a triangle nearest to p.
-    Place placeOn(std::uint32_t t, const Vec3d& p) const;
     unsigned cornerAt(std::uint32_t t, const Side& edge) const;
     std::vector<Side> sidesAtManyEdge(const Side& side) const;
 

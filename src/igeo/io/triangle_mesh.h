@@ -35,6 +35,12 @@ struct TriangleMesh {
     std::vector<std::uint32_t> pointOfVertex;
 };
 
+/// A point of a mesh that lies on a triangle without being a corner of it.
+struct MeshContact {
+    std::uint32_t point = 0;
+    Vec3d normal;  ///< of the triangle
+};
+
 /// Merges equal points, so that triangles find their neighbors. Drops triangles with fewer than
 /// three corners left, duplicate triangles (in any orientation) and unused points.
 ///

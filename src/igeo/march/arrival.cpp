@@ -121,8 +121,9 @@ private:
         return field_.source[std::size_t(&seed - field_.seeds.data())];
     }
     bool isOnMesh() const { return onMesh().triangle != SurfaceTriangles::kNone; }
-    /// The length of a walk from a seed over edges of a mesh; +infinity: none up to `most`.
-    double walkFrom(const Vec3d& at, double most) const;
+    /// The length of a walk from a point of a seed over edges of a mesh; +infinity: none up to
+    /// `most`.
+    double walkFrom(const SurfacePoint& seed, const Vec3d& at, double most) const;
     /// The first arrival, or a seed on the same page where that has few nodes, as in StartDisc.
     Arrival orFromPage(Arrival first) const;
     Arrival arrival(double d, const Straight& disc, std::uint32_t source) const;
@@ -183,7 +184,7 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
                    flat = !walks && field_.atFootPoints && alongSurface(s, p_ - at);
         const double mean = meanToSeed(field_, s, p_, here);
         if (walks && !(s.start + mean * r < least.distance)) return;
-        const double cost = walks                   ? mean * walkFrom(at, field_.startRadius)
+        const double cost = walks                   ? mean * walkFrom(s, at, field_.startRadius)
                             : metric_.anisotropic() ? costToSeed(field_, s, p_, cell_.normal, here)
                                                     : mean * r,
                      perVoxel = metric_.anisotropic() && r > 0 ? cost / r : mean;
@@ -211,8 +212,8 @@ bool Reader::alongSurface(const SurfacePoint& seed, const Vec3d& chord) const {
     return runsInPlane(band_, p_ - chord, chord, cell_.normal);
 }
 
-double Reader::walkFrom(const Vec3d& at, double most) const {
-    const auto from = band_.triangles->nearest(at);
+double Reader::walkFrom(const SurfacePoint& seed, const Vec3d& at, double most) const {
+    const auto from = placeOn(*band_.triangles, seed, at);
     return ShortWalk(*band_.triangles)
         .tightLength({from.triangle, from.point}, {onMesh().triangle, onMesh().point}, most);
 }
@@ -224,7 +225,7 @@ Arrival Reader::orFromPage(Arrival first) const {
         const Vec3d at = s.nearestTo(p_);
         const double r = length(p_ - at);
         if (r > Band::kSpineReach || !(s.start + s.weight * r < first.distance)) return;
-        const double d = s.start + s.weight * walkFrom(at, kBeforeTight * r);
+        const double d = s.start + s.weight * walkFrom(s, at, kBeforeTight * r);
         if (d < first.distance) first = {d, field_.source[k], &s};
     });
     return first;

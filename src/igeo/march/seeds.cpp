@@ -87,11 +87,12 @@ public:
     bool add(const Vec3d& p) {
         constexpr double kFar = 4 * kSegment;
         if (seeds.size() % kLookEverySeeds == 0) progress_.throwIfCancelled();
-        const SurfacePoint next = nearestSurfacePoint(band_, p);
+        SurfacePoint next = nearestSurfacePoint(band_, p);
         if (!seeds.empty()) {
             SurfacePoint& last = seeds.back();
             last.segment = next.pIndex - last.pIndex;
             if (length(last.segment) > kFar) return false;
+            if (band_.triangles) takeTriangles(*band_.triangles, last, next);
         }
         seeds.push_back(next);
         seeds.back().start = start_;

@@ -33,7 +33,7 @@ constexpr double kBulge = 1.0 / 16, kMostBulge = 1;
 /// step between sampled points of a segment: the first is more than half of the second. Voxels.
 constexpr double kPatchFat = 0.2, kPatchStep = 0.25;
 /// How far from a triangle a point of it may be by rounding. Voxels.
-constexpr double kOn = 1e-3;
+constexpr double kOn = 1e-6;
 /// Width of a cell of `near_`: a query within 5 voxels of a point reads 2 to 3 per axis.
 constexpr double kCell = 8;
 

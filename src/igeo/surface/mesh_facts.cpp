@@ -95,7 +95,9 @@ MeshFacts meshFacts(const TriangleMesh& mesh, const Progress& progress) {
     facts.holes = countHoles(mesh, topology, fans);
     facts.pinches = countPinches(mesh, topology, fans);
     const double contact = TriangleMesh::kSame * length(Box(mesh.points).size());
-    facts.crossingPairs = crossingPairs(mesh, contact, progress);
+    MeshCrossings crossings = meshCrossings(mesh, contact, progress);
+    facts.crossingPairs = crossings.pairs;
+    facts.contacts = std::move(crossings.contacts);
     facts.closed = topology.closed();
     if (facts.closed) facts.euler = eulerOf(mesh, fans);
     return facts;

@@ -19,9 +19,10 @@ struct MeshFacts {
     std::size_t holes = 0;          ///< closed lines of boundary edges
     std::size_t crossingPairs = 0;  ///< of triangles that cross, or overlap in one plane; a million
                                     ///< stands for more as well
-    std::size_t pinches = 0;        ///< points at which parts meet that share no edge there
-    bool closed = false;            ///< every edge has two triangles
-    int euler = 0;                  ///< of a closed mesh: points - edges + triangles
+    std::vector<MeshContact> contacts;  ///< as meshCrossings()
+    std::size_t pinches = 0;            ///< points at which parts meet that share no edge there
+    bool closed = false;                ///< every edge has two triangles
+    int euler = 0;                      ///< of a closed mesh: points - edges + triangles
 };
 
 /// Facts about a mesh. Crossings of less than 1e-6 of the bounding box's diagonal, the tolerance of

@@ -5,6 +5,7 @@
 
 #include <numbers>
 #include <random>
+#include <set>
 
 namespace igeo {
 namespace {
@@ -19,7 +20,7 @@ TriangleMesh meshOf(const std::vector<Vec3d>& points, const std::vector<Triangle
 }
 
 std::size_t pairsOf(const std::vector<Vec3d>& points, const std::vector<Triangle>& triangles) {
-    return crossingPairs(meshOf(points, triangles), 1e-6);
+    return meshCrossings(meshOf(points, triangles), 1e-6).pairs;
 }
 
 Vec3d cornerOf(const TriangleMesh& mesh, std::size_t t, std::size_t k) {
@@ -63,6 +64,35 @@ TEST_CASE("what touches does not cross", "[mesh]") {
     CHECK(pairsOf(p, {{0, 1, 2}, {4, 5, 5}, {0, 7, 3}}) == 0);  // without area
 }
 
+TEST_CASE("points on faces of others are contacts, and move off them", "[mesh]") {
+    // A table, and a pyramid with its base on it: one corner on an edge between two triangles.
+    const std::vector<Vec3d> p{{0, 0, 0}, {8, 0, 0}, {8, 8, 0}, {0, 8, 0},
+                               {2, 2, 0}, {5, 2, 0}, {5, 5, 0}, {4, 3, 3}};
+    TriangleMesh mesh =
+        meshOf(p, {{0, 1, 2}, {0, 2, 3}, {4, 6, 5}, {4, 5, 7}, {5, 6, 7}, {6, 4, 7}});
+    const MeshFacts facts = factsOf(mesh);
+    std::set<std::uint32_t> touching;
+    for (const MeshContact& c : facts.contacts) {
+        touching.insert(c.point);
+        CHECK(std::abs(c.normal.z) == 1);
+    }
+    CHECK(touching == std::set<std::uint32_t>{4, 5, 6});
+    separate(mesh, facts.contacts, 1e-3);
+    for (std::uint32_t k = 0; k < p.size(); ++k) {
+        INFO("point " << k);
+        if (touching.count(k) == 0)
+            CHECK(mesh.points[k] == p[k]);
+        else
+            CHECK((mesh.points[k].z > 0.99e-3 && length(mesh.points[k] - p[k]) < 0.01));
+    }
+    CHECK(meshCrossings(mesh, 1e-6).contacts.empty());
+    // A face in the plane of another moves to one side.
+    TriangleMesh flat =
+        meshOf({p[0], p[1], p[2], {4, 1, 0}, {6, 1, 0}, {6, 2, 0}}, {{0, 1, 2}, {3, 4, 5}});
+    separate(flat, meshCrossings(flat, 1e-6).contacts, 1e-3);
+    for (std::size_t k = 3; k < 6; ++k) CHECK(std::abs(flat.points[k].z) == 1e-3);
+}
+
 TEST_CASE("what passes through or overlaps crosses", "[mesh]") {
     const std::vector<Vec3d> p{{0, 0, 0},        {1, 0, 0},       {0, 1, 0},   {1, 1, 0},
                                {0.2, 0.2, 1},    {0.2, 0.2, -1},  {2, 2, 0.1}, {0.2, 0.3, 0},
@@ -90,7 +120,7 @@ TEST_CASE("crossings are those of all pairs", "[mesh]") {
     }
     const std::size_t expected = piercingPairs(mesh);
     CHECK(expected > 400);
-    CHECK(crossingPairs(mesh, 1e-9) == expected);
+    CHECK(meshCrossings(mesh, 1e-9).pairs == expected);
 
     const TriangleMesh balls =
         test::together(test::sphereMesh({}, 1, 3), test::sphereMesh({0.83, 0.11, 0.07}, 0.9, 3));

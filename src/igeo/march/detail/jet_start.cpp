@@ -44,7 +44,7 @@ bool jetByWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k, cons
     const SurfaceTriangles& triangles = *core.band.triangles;
     const SurfacePoint& seed = seeds.points[k];
     const Vec3f& normal = local.frame.normal();
-    const auto from = triangles.nearest(seed.nearestTo(foot)),
+    const auto from = placeOn(triangles, seed, seed.nearestTo(foot)),
                to = footPlace(triangles, foot, Vec3d(normal));
     const WalkEnds way =
         ShortWalk(triangles).ends({from.triangle, from.point}, {to.triangle, foot}, most);
@@ -117,7 +117,7 @@ private:
         // On a mesh also nodes on the next face of a sharp edge.
         constexpr double kNear = 2;  // voxels
         if (band.triangles) {
-            const auto at = band.triangles->nearest(seed_.pIndex);
+            const auto at = placeOn(*band.triangles, seed_, seed_.pIndex);
             visitWithin(2, [&](NodeIndex j, const JetNode& node) {
                 return length(core_.footOf(node) - seed_.pIndex) < kNear && meshJoins(band, at, j);
             });
@@ -153,7 +153,7 @@ private:
         if (!band.ways || !core_.stretch.empty() || !(seed_.segment == Vec3d{}) ||
             !hasWays(band, cellAt(band, seed_.pIndex), core_.isEven()))
             return;
-        const auto at = band.triangles->nearest(seed_.pIndex);
+        const auto at = placeOn(*band.triangles, seed_, seed_.pIndex);
         // Where costs vary, paths bend off longer lines.
         const double reach = core_.costsVary ? seeds_.startRadius : MeshWays::kReach;
         const MeshFan fan(*band.triangles, MeshPoint{at.triangle, at.point}, reach,
@@ -278,7 +278,7 @@ Vec3f normalAt(const Band& band, const SurfacePoint& seed) {
     const Vec3f ofNode = band.normal[seed.node];
     if (band.triangles) {
         // Beside an edge the gradient of psi is between the normals of both faces.
-        const auto at = band.triangles->nearest(p);
+        const auto at = placeOn(*band.triangles, seed, p);
         const Vec3d n = band.triangles->normal(at.triangle);
         return n == Vec3d{} ? ofNode : Vec3f(n);
     }

@@ -318,7 +318,7 @@ std::vector<Seen> seenFrom(const Field& field, const SurfaceTriangles::Place& at
         const SurfacePoint& s = field.seeds[k];
         if (s.segment == Vec3d{} && length(s.pIndex - at.point) < MeshWays::kReach)
             for (const std::uint32_t t :
-                 trianglesAt(triangles, {triangles.nearest(s.pIndex).triangle, s.pIndex}))
+                 trianglesAt(triangles, {placeOn(triangles, s, s.pIndex).triangle, s.pIndex}))
                 seeds.emplace_back(t, k);
     });
     std::vector<Seen> all;

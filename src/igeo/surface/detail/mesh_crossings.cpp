@@ -1,12 +1,15 @@
 #include <igeo/surface/detail/mesh_crossings.h>
 
 #include <igeo/base/detail/box.h>
+#include <igeo/base/nearest_on_triangle.h>
 #include <igeo/base/parallel.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
+#include <cmath>
+#include <map>
 #include <utility>
 
 namespace igeo {
@@ -28,32 +31,45 @@ struct Interval {
     double depth(const Interval& o) const { return std::min(high - o.low, o.high - low); }
 };
 
+/// The unit normal of a triangle; zero for one without area.
+Vec3d normalOf(const Corners& t) {
+    constexpr double kLeast = 1e-12;
+    const Vec3d u = t[1] - t[0], v = t[2] - t[0], n = cross(u, v);
+    return dot(n, n) > kLeast * kLeast * dot(u, u) * dot(v, v) ? normalized(n) : Vec3d{};
+}
+
 /// Whether two triangles overlap by more than a tolerance along an axis.
 class Pair {
 public:
     Pair(const Corners& a, const Corners& b, double tolerance)
-        : a_(a), b_(b), tolerance_(tolerance) {}
+        : a_(a),
+          b_(b),
+          tolerance_(tolerance),
+          n_(normalOf(a)),
+          m_(normalOf(b)),
+          heightsOfB_(b, n_, a[0]),
+          heightsOfA_(a, m_, b[0]) {}
 
     bool cross() const {
-        const Vec3d n = normal(a_), m = normal(b_);
-        if (n == Vec3d{} || m == Vec3d{}) return false;
-        const Interval heightsOfB(b_, n, a_[0]), heightsOfA(a_, m, b_[0]);
-        if (flat(heightsOfB) || flat(heightsOfA))
-            return overlapAcross(a_, n) && overlapAcross(b_, m);
-        return through(heightsOfB) && through(heightsOfA) && overlapAcrossEdges();
+        if (n_ == Vec3d{} || m_ == Vec3d{}) return false;
+        if (flat(heightsOfB_) || flat(heightsOfA_))
+            return overlapAcross(a_, n_) && overlapAcross(b_, m_);
+        return through(heightsOfB_) && through(heightsOfA_) && overlapAcrossEdges();
     }
+    /// Whether a corner of one may lie on the other.
+    bool mayTouch() const { return meets(heightsOfB_) && meets(heightsOfA_); }
+    const Vec3d& normalOfFirst() const { return n_; }
+    const Vec3d& normalOfSecond() const { return m_; }
 
 private:
-    static Vec3d normal(const Corners& t) {
-        constexpr double kLeast = 1e-12;
-        const Vec3d u = t[1] - t[0], v = t[2] - t[0], n = igeo::cross(u, v);
-        return dot(n, n) > kLeast * kLeast * dot(u, u) * dot(v, v) ? normalized(n) : Vec3d{};
-    }
     bool flat(const Interval& heights) const {
         return std::max(-heights.low, heights.high) <= tolerance_;
     }
     bool through(const Interval& heights) const {
         return std::min(-heights.low, heights.high) > tolerance_;
+    }
+    bool meets(const Interval& heights) const {
+        return heights.low <= tolerance_ && heights.high >= -tolerance_;
     }
     bool overlapAlong(const Vec3d& axis) const {
         return Interval(a_, axis, a_[0]).depth(Interval(b_, axis, a_[0])) > tolerance_;
@@ -78,7 +94,18 @@ private:
 
     const Corners &a_, &b_;
     double tolerance_;
+    Vec3d n_, m_;  ///< unit normals
+    Interval heightsOfB_, heightsOfA_;
 };
+
+bool haveCommonCorner(const TriangleMesh::Triangle& t, const TriangleMesh::Triangle& u) {
+    return std::find_first_of(t.begin(), t.end(), u.begin(), u.end()) != t.end();
+}
+
+double distanceToEdges(const Vec3d& p, const Corners& t) {
+    return std::min({distanceToSegment(p, t[0], t[1]), distanceToSegment(p, t[1], t[2]),
+                     distanceToSegment(p, t[2], t[0])});
+}
 
 /// A box in single precision, relative to the middle of the mesh: its error is below the tolerance.
 struct FloatBox {
@@ -192,7 +219,7 @@ void TriangleTree::forPairs(std::size_t r, const Visit& visit) const {
 
 }  // namespace
 
-std::size_t crossingPairs(const TriangleMesh& mesh, double tolerance, const Progress& progress) {
+MeshCrossings meshCrossings(const TriangleMesh& mesh, double tolerance, const Progress& progress) {
     // The pieces of a triangle with many points in an edge are long and beside each other, and all
     // boxes of two would meet.
     const auto& triangles = mesh.unsplit.empty() ? mesh.triangles : mesh.unsplit;
@@ -201,17 +228,66 @@ std::size_t crossingPairs(const TriangleMesh& mesh, double tolerance, const Prog
         const auto& [a, b, c] = triangles[t];
         return Corners{mesh.points[a], mesh.points[b], mesh.points[c]};
     };
+    constexpr double kTouch = 0.01;  // of the tolerance
+    const bool wasSplit = !mesh.unsplit.empty();
+    const auto isOn = [&](const Vec3d& p, const Corners& t) {
+        return length(nearestOnTriangle(p, t[0], t[1], t[2]).point - p) <= kTouch * tolerance &&
+               !(wasSplit && distanceToEdges(p, t) <= tolerance);
+    };
     std::atomic<std::size_t> pairs{0};
+    std::vector<std::vector<MeshContact>> contacts(tree.runs());
     parallelFor(tree.runs(), 256, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t r = begin; r < end && pairs < kMostCrossingPairs; ++r) {
             std::size_t found = 0;
             tree.forPairs(r, [&](std::uint32_t t, std::uint32_t u) {
-                found += Pair(cornersOf(t), cornersOf(u), tolerance).cross();
+                const Corners a = cornersOf(t), b = cornersOf(u);
+                const Pair pair(a, b, tolerance);
+                found += pair.cross();
+                if (!pair.mayTouch() || haveCommonCorner(triangles[t], triangles[u])) return;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    if (isOn(b[k], a))
+                        contacts[r].push_back({triangles[u][k], pair.normalOfFirst()});
+                    if (isOn(a[k], b))
+                        contacts[r].push_back({triangles[t][k], pair.normalOfSecond()});
+                }
             });
             if (found > 0) pairs += found;
         }
     });
-    return std::min(pairs.load(), kMostCrossingPairs);
+    MeshCrossings crossings{std::min(pairs.load(), kMostCrossingPairs), {}};
+    // Of a million pairs and more not all were looked at.
+    if (crossings.pairs < kMostCrossingPairs)
+        for (const auto& some : contacts)
+            crossings.contacts.insert(crossings.contacts.end(), some.begin(), some.end());
+    return crossings;
+}
+
+void separate(TriangleMesh& mesh, const std::vector<MeshContact>& contacts, double by) {
+    constexpr double kLeastTilt = 0.1, kSamePlane = 1 - 1e-9;
+    struct Point {
+        Vec3d inward;
+        std::vector<Vec3d> normals;
+    };
+    std::map<std::uint32_t, Point> points;
+    for (const MeshContact& c : contacts) {
+        std::vector<Vec3d>& normals = points[c.point].normals;
+        if (std::none_of(normals.begin(), normals.end(),
+                         [&](const Vec3d& n) { return std::abs(dot(n, c.normal)) > kSamePlane; }))
+            normals.push_back(c.normal);
+    }
+    if (points.empty()) return;
+    for (const TriangleMesh::Triangle& t : mesh.triangles)
+        for (const std::uint32_t p : t)
+            if (const auto at = points.find(p); at != points.end())
+                for (const std::uint32_t q : t)
+                    at->second.inward += mesh.points[q] - mesh.points[p];
+    for (const auto& [p, point] : points)
+        for (const Vec3d& n : point.normals) {
+            const Vec3d along = normalized(point.inward);
+            const double tilt = std::abs(dot(along, n));
+            // Where its own triangles are in the plane, to one side.
+            mesh.points[p] += tilt < kLeastTilt ? by * n : by / tilt * along;
+        }
 }
 
 }  // namespace igeo
