@@ -254,7 +254,7 @@ Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
             best = disc;
     };
     seeds.near.forNear(foot, visit);
-    if (best.u < kInfinity && !overtakesDisc(core_, seeds, s.distance, best.u, local.weight))
+    if (best.u < kInfinity && !overtakesDisc(core_, seeds, s.distance, best.u, local.weight, foot))
         return {best.u, local.frame.lift(best.g), best.label};
     Found other = s;
     if (leastStart < kInfinity) other.distance = std::max(s.distance, leastStart);

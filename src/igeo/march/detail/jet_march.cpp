@@ -442,7 +442,9 @@ JetMarch::Result JetMarch::exactNearSeed(NodeIndex i, const Result& s) const {
     if (disc == discs_.jets.end()) return overEdgeNearSeed(i, s);
     const float u = fromStart(disc->second.u);
     if (s.u < u && s.label != disc->second.label) return s;
-    if (overtakesDisc(core_, jets_.seeds, double(s.u), double(u), double(core_.nodes[i].weight)))
+    const JetNode& node = core_.nodes[i];
+    if (overtakesDisc(core_, jets_.seeds, batchStart_ + double(s.u), disc->second.u,
+                      double(node.weight), core_.footOf(node)))
         return s;
     return {u, disc->second.g, disc->second.label, false, false};
 }

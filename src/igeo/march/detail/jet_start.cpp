@@ -388,6 +388,20 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     return true;
 }
 
+bool overtakesDisc(const JetCore& core, const JetSeeds& seeds, double u, double disc, double weight,
+                   const Vec3d& foot) {
+    constexpr double kEarlier = 0.25;  // voxels
+    constexpr double kToRim = 0.05;    // voxels: between its points a rim is so much nearer
+    if (!(seeds.points.size() > 1 && core.stretch.empty() && u < disc - kEarlier * weight))
+        return false;
+    double least = kInfinity;
+    seeds.near.forNear(foot, [&](std::size_t k) {
+        const SurfacePoint& seed = seeds.points[k];
+        least = std::min(least, seed.start + core.leastCost * length(foot - seed.nearestTo(foot)));
+    });
+    return u >= least - kToRim * weight;
+}
+
 double leastOverWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k,
                      const LocalFrame& local, const Vec3d& foot) {
     const SurfacePoint& seed = seeds.points[k];

@@ -25,13 +25,12 @@ double leastOverWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k
 
 /// Whether a front counts that comes to a foot point before its start disc does. Of a curve or a
 /// group the seed next to it may lie over an edge, and others lead past that; and the discs of
-/// seeds beside folds of a mesh reach beyond those of nearer seeds. For one cost in all directions.
+/// seeds beside folds of a mesh reach beyond those of nearer seeds. A value below the straight line
+/// to every seed is that of no front. For one cost in all directions.
 /// @param u, disc  values by the front and by the disc
-inline bool overtakesDisc(const JetCore& core, const JetSeeds& seeds, double u, double disc,
-                          double weight) {
-    constexpr double kEarlier = 0.25;  // voxels
-    return seeds.points.size() > 1 && core.stretch.empty() && u < disc - kEarlier * weight;
-}
+/// @param weight   at the foot point
+bool overtakesDisc(const JetCore& core, const JetSeeds& seeds, double u, double disc, double weight,
+                   const Vec3d& foot);
 
 using JetsByNode = std::map<NodeIndex, Solved>;
 
