@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <mutex>
 #include <set>
+#include <utility>
 
 namespace igeo {
 
@@ -60,7 +61,10 @@ std::string fileBehindLinks(const std::string& path) {
     return end.string();
 }
 
-AtomicFile::AtomicFile(const std::string& path) : path_(path), finalPath_(fileBehindLinks(path)) {
+AtomicFile::AtomicFile(const std::string& path, std::string finalPath)
+    : path_(path), finalPath_(std::move(finalPath)) {}
+
+AtomicFile::AtomicFile(const std::string& path) : AtomicFile(path, fileBehindLinks(path)) {
     std::error_code ignored;
     if (const fs::file_status status = fs::status(path, ignored); fs::exists(status)) {
         if (fs::is_directory(status)) throwWriteError(path, EISDIR);
@@ -74,10 +78,15 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), finalPath_(fileBe
     }
     int error = EEXIST;
     for (int attempt = 0; attempt < 100 && error == EEXIST; ++attempt) {
-        temporary_ = fmt::format("{}.tmp-{}-{}", finalPath_, processId(), attempt);
+        std::string name = fmt::format("{}.tmp-{}-{}", finalPath_, processId(), attempt);
         std::lock_guard<std::mutex> lock(registryMutex());
-        error = createFile(temporary_);
-        if (error == 0) registry().insert(temporary_);
+        // Before the file is there: memory may run out.
+        if (!registry().insert(name).second) continue;
+        error = createFile(name);
+        if (error == 0)
+            temporary_ = std::move(name);
+        else
+            registry().erase(name);
     }
     if (error != 0) throwWriteError(path, error);
     if (const fs::file_status status = fs::status(finalPath_, ignored); fs::exists(status))
@@ -120,9 +129,8 @@ void AtomicFile::commit() {
 std::size_t AtomicFile::committed() noexcept { return committedFiles; }
 
 void AtomicFile::discardAll() noexcept {
-    std::lock_guard<std::mutex> lock(registryMutex());
+    registryMutex().lock();  // for good
     for (const std::string& name : registry()) std::remove(name.c_str());
-    registry().clear();
 }
 
 void writeFile(const std::string& path, const std::string& content) {

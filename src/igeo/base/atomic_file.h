@@ -29,10 +29,14 @@ public:
     /// The number of files that the process has committed so far.
     static std::size_t committed() noexcept;
 
-    /// Removes the temporary files of all live AtomicFiles: for a program about to exit.
+    /// Removes the temporary files of all live AtomicFiles, for a program about to exit: from then
+    /// on none is made or committed, and a thread that does so or removes one waits.
     static void discardAll() noexcept;
 
 private:
+    /// Only names. Once it has run, the destructor follows a failure of the constructor above.
+    AtomicFile(const std::string& path, std::string finalPath);
+
     std::string path_;       ///< as the caller named it
     std::string finalPath_;  ///< links resolved
     std::string temporary_;  ///< empty when writing directly or committed

@@ -4,12 +4,15 @@
 #include <support/temp_dir.h>
 #include <support/test_device.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <memory>
+#include <thread>
 
 namespace igeo::test {
 namespace {
@@ -27,6 +30,17 @@ void put(const std::string& path, const std::string& content) {
 
 std::size_t filesIn(const TempDir& folder) {
     return std::size_t(std::distance(fs::directory_iterator(folder.path()), {}));
+}
+
+/// What `work` returns in a process of its own, which then ends at once.
+template <typename Work>
+int exitCodeOf(const Work& work) {
+    const pid_t process = ::fork();
+    REQUIRE(process >= 0);
+    if (process == 0) std::_Exit([&]() noexcept { return work(); }());
+    int status = 0;
+    REQUIRE(::waitpid(process, &status, 0) == process);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
 }  // namespace
@@ -161,18 +175,47 @@ TEST_CASE("AtomicFile: says what is wrong with the folder") {
                 [&] { AtomicFile file(folder / "plain/out"); });
 }
 
-TEST_CASE("AtomicFile: discardAll removes what is not committed") {
+TEST_CASE("AtomicFile: a file that cannot be opened leaves none behind") {
     const TempDir folder;
-    auto open = std::make_unique<AtomicFile>(folder / "open");
-    open->stream() << "half";
-    open->stream().flush();
-    writeFile(folder / "done", "whole");
-    CHECK(filesIn(folder) == 2);
-    AtomicFile::discardAll();
+    fs::permissions(folder.path(), fs::perms::all);
+    put(folder / "write-only", "old");
+    fs::permissions(folder / "write-only", fs::perms(0222));
+    const int code = exitCodeOf([&] {
+        if (::geteuid() == 0 && ::setuid(65534) != 0) return 2;  // root may read all
+        try {
+            AtomicFile file(folder / "write-only");
+        } catch (const Error&) {
+            return 0;
+        }
+        return 1;
+    });
+    CHECK(code == 0);
+    CHECK(filesIn(folder) == 1);
+}
+
+TEST_CASE("AtomicFile: discardAll removes what is not committed, and nothing follows") {
+    const TempDir folder;
+    const int code = exitCodeOf([&] {
+        AtomicFile open(folder / "open"), late(folder / "late");
+        open.stream() << "half";
+        open.stream().flush();
+        writeFile(folder / "done", "whole");
+        if (filesIn(folder) != 3) return 1;
+        AtomicFile::discardAll();
+        std::thread([&] {
+            try {
+                late.commit();
+            } catch (const Error&) {
+                // It is removed already.
+            }
+        }).detach();
+        std::thread([&] { static const AtomicFile next(folder / "next"); }).detach();
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+        std::_Exit(0);  // removing the files would wait
+    });
+    CHECK(code == 0);
     CHECK(filesIn(folder) == 1);
     CHECK(contentOf(folder / "done") == "whole");
-    open.reset();
-    CHECK(filesIn(folder) == 1);
 }
 
 }  // namespace igeo::test
