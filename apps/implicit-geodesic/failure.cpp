@@ -35,7 +35,8 @@ int exitCodeFor(igeo::Error::Kind kind) {
 }  // namespace
 
 bool isThreadRefused(const std::exception& e) {
-    return std::string_view(e.what()).find("pthread_create") != std::string_view::npos;
+    const std::string_view what = e.what();
+    return what.find("pthread_create") != what.npos || what.find("_beginthreadex") != what.npos;
 }
 
 Failure currentFailure() {
@@ -59,9 +60,7 @@ Failure currentFailure() {
         return {kFailed, "the system refuses: " + e.code().message(),
                 "raise the limits of the process (ulimit -a)"};
     } catch (const std::exception& e) {
-        if (isThreadRefused(e))
-            return {kFailed, "the system refuses a thread",
-                    "use fewer --threads, or raise the limits of the process (ulimit -a)"};
+        if (isThreadRefused(e)) return {kFailed, kThreadRefused, kFewerThreads};
         return {kFailed, std::string("unexpected: ") + e.what(), "please report this"};
     }
 }

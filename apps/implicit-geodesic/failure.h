@@ -9,6 +9,10 @@ struct Failure {
     std::string what, remedy;
 };
 
+constexpr const char* kThreadRefused = "the system refuses a thread";
+constexpr const char* kFewerThreads =
+    "use fewer --threads, or raise the limits of the process (ulimit -a)";
+
 /// Whether the system refused a thread: by the text, as TBB throws a std::runtime_error then.
 bool isThreadRefused(const std::exception& e);
 

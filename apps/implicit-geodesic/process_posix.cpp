@@ -31,16 +31,18 @@ constexpr std::array<int, 5> kFaults{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 void (*gReport)(bool timeIsUp);
 void (*gEnd)();
 std::atomic<bool> gEnding{false};
+std::atomic<std::thread::id> gReporter;
 
 void endNow(int) { gEnd(); }
 
 /// Runs on a stack of its own. Only write, unlink and _exit are safe here. If other calls fail, a
-/// second fault ends the process; if they wait for a lock, the alarm does.
+/// second fault of the thread ends the process; if they wait for a lock, the alarm does.
 void handleFault(int signal) {
     if (gEnding.exchange(true)) {
+        if (gReporter.load() == std::this_thread::get_id()) gEnd();
         for (;;) ::pause();  // another thread is ending the process
     }
-    for (const int s : kFaults) ::signal(s, endNow);
+    gReporter = std::this_thread::get_id();
     ::signal(SIGALRM, endNow);
     sigset_t all;
     sigfillset(&all);

@@ -6,7 +6,9 @@
 #include <io.h>
 
 #include <array>
+#include <atomic>
 #include <csignal>
+#include <thread>
 
 #include "process.h"
 
@@ -19,9 +21,16 @@ constexpr std::array<int, 4> kFaults{SIGSEGV, SIGFPE, SIGILL, SIGABRT};
 
 void (*gReport)(bool timeIsUp);
 void (*gEnd)();
+std::atomic<bool> gEnding{false};
+std::atomic<std::thread::id> gReporter;
 
 void handleFault(int) {
-    for (const int s : kFaults) std::signal(s, [](int) { gEnd(); });
+    for (const int s : kFaults) std::signal(s, handleFault);
+    if (gEnding.exchange(true)) {
+        if (gReporter.load() == std::this_thread::get_id()) gEnd();
+        for (;;) ::Sleep(INFINITE);  // another thread is ending the process
+    }
+    gReporter = std::this_thread::get_id();
     gReport(false);
     gEnd();
 }

@@ -1,12 +1,20 @@
 // What a fault of a library does while a file is read, and what sizes without sense do.
+#include <igeo/base/atomic_file.h>
 #include <input/guarded_read.h>
 #include <process.h>
 #include <support/catch.h>
+#include <support/temp_dir.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <new>
+#include <optional>
+#include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "program.h"
@@ -86,6 +94,52 @@ TEST_CASE("a fault after a refusal is the fault of the file that was refused") {
     });
     CHECK(ending.exitCode == 3);
     CHECK_THAT(ending.err, contains("'torn.vdb'"));
+}
+
+TEST_CASE("what the system refuses to another thread is said") {
+    // As TBB does where one of its threads starts the next.
+    const auto thrownOnAThread = [](const auto& exception, bool reading) {
+        return endOf([&] {
+            std::optional<FileGuard> guard;
+            if (reading) guard.emplace("some file.vdb");
+            std::thread([&] { throw exception; }).join();
+        });
+    };
+    const std::runtime_error noThread("pthread_create has failed: no resources");
+    for (const bool reading : {false, true}) {
+        CAPTURE(reading);
+        const Ending thread = thrownOnAThread(noThread, reading);
+        CHECK(thread.exitCode == 1);
+        REQUIRE(lines(thread.err).size() == 2);
+        CHECK_THAT(thread.err, contains("error: the system refuses a thread") &&
+                                   contains("--threads") && !contains("some file"));
+
+        const Ending memory = thrownOnAThread(std::bad_alloc(), reading);
+        CHECK(memory.exitCode == (reading ? 3 : 1));
+        REQUIRE(lines(memory.err).size() == 2);
+        CHECK_THAT(memory.err,
+                   contains(reading ? "'some file.vdb': out of memory" : "error: out of memory"));
+
+        const Ending other = thrownOnAThread(std::runtime_error("odd"), reading);
+        CHECK(other.exitCode == (reading ? 3 : 1));
+        CHECK_THAT(other.err, contains("crashed"));
+    }
+}
+
+TEST_CASE("faults on several threads at once end in one report, and no file is left") {
+    const TempDir folder;
+    const Ending ending = endOf([&] {
+        std::vector<std::unique_ptr<igeo::AtomicFile>> files;
+        for (int k = 0; k < 200; ++k)
+            files.push_back(std::make_unique<igeo::AtomicFile>(folder / std::to_string(k)));
+        std::vector<std::thread> threads;
+        for (int k = 0; k < 16; ++k) threads.emplace_back([] { throw std::bad_alloc(); });
+        for (std::thread& thread : threads) thread.join();
+    });
+    CHECK(ending.exitCode == 1);
+    CHECK(lines(ending.err).size() == 2);
+    CHECK_THAT(ending.err, contains("error: out of memory"));
+    CHECK(std::filesystem::is_empty(folder.path()));
 }
 
 TEST_CASE("the end of the stack is survived") {

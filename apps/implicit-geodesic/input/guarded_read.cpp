@@ -30,29 +30,50 @@ struct Message {
     void write() const { writeToStderr(text.data(), size); }
 };
 
-Message gFault, gOutOfMemory, gFileFault, gFileTime;
+/// What the system refused where the exception that says so could not be caught.
+enum class Refused { Nothing, Memory, Thread };
+
+Message gFault, gOutOfMemory, gThreadRefused, gFileFault, gFileMemory, gFileTime;
 std::atomic<bool> gReading{false};
+std::atomic<Refused> gRefused{Refused::Nothing};
 std::mutex gGuard;
 // Erases a line of progress.
 const char* gLineStart = "";
 
-/// An exception that cannot be caught, such as one on a thread of TBB: there it means no memory.
+/// An exception that cannot be caught, such as one on a thread of TBB: there it means no memory, or
+/// no further thread.
 [[noreturn]] void onTerminate() {
     try {
         if (const std::exception_ptr e = std::current_exception()) std::rethrow_exception(e);
     } catch (const std::bad_alloc&) {
-        gFault = gOutOfMemory;
+        gRefused = Refused::Memory;
+    } catch (const std::exception& e) {
+        if (isThreadRefused(e)) gRefused = Refused::Thread;
     } catch (...) {
     }
     std::abort();
 }
 
+const Message& messageOfFault() {
+    switch (gRefused) {
+        case Refused::Memory:
+            return gReading ? gFileMemory : gOutOfMemory;
+        case Refused::Thread:
+            return gThreadRefused;
+        case Refused::Nothing:
+            break;
+    }
+    return gReading ? gFileFault : gFault;
+}
+
 void reportFault(bool timeIsUp) {
-    (timeIsUp ? gFileTime : gReading ? gFileFault : gFault).write();
+    (timeIsUp ? gFileTime : messageOfFault()).write();
     igeo::AtomicFile::discardAll();
 }
 
-[[noreturn]] void endNow() { std::_Exit(gReading ? kUnusable : kFailed); }
+[[noreturn]] void endNow() {
+    std::_Exit(gReading && gRefused != Refused::Thread ? kUnusable : kFailed);
+}
 
 double readingSeconds(const std::string& file) {
     constexpr double kLeast = 300, kUnknown = 3600, kPerMegabyte = 10;
@@ -72,6 +93,8 @@ void catchFaults() {
     gOutOfMemory.set(std::string(gLineStart) +
                      "implicit-geodesic: error: out of memory\n"
                      "  use larger voxels or a larger machine\n");
+    gThreadRefused.set(std::string(gLineStart) + "implicit-geodesic: error: " + kThreadRefused +
+                       "\n  " + kFewerThreads + "\n");
     std::set_terminate(onTerminate);
     onFault(reportFault, endNow);
 }
@@ -103,6 +126,7 @@ FileGuard::FileGuard(const std::string& file, double seconds)
     gFileFault.set(start +
                    ": its reader crashed, as damaged files cause it\n"
                    "  write the file again, or in another format\n");
+    gFileMemory.set(start + ": out of memory\n  " + kTooLarge + "\n");
     gFileTime.set(start + ": it took more than " + std::to_string(std::llround(seconds)) +
                   " s of computing\n"
                   "  the file is damaged: write it again\n");

@@ -11,9 +11,15 @@
 #include "failure.h"
 #include "output/stdout.h"
 
+/// The remedy where the memory does not suffice for a file.
+constexpr const char* kTooLarge =
+    "it is too large for this machine or for --memory-limit, or damaged";
+
 /// Turns a fault of the program (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT) into a message on stderr
 /// and an exit code: 3 and the file's name while a FileGuard lives, else 1. Unfinished outputs are
-/// removed. Call it in the first thread, which can then also report the overflow of its stack.
+/// removed. An exception that cannot be caught, as on a thread of TBB, ends the program likewise;
+/// one that means too little memory, or a thread that the system refuses, says so. Call it in the
+/// first thread, which can then also report the overflow of its stack.
 void catchFaults();
 
 /// While it lives, a fault is blamed on `file`, and reading has a time limit that no sound file
@@ -51,8 +57,6 @@ auto guardedRead(const std::string& file, const Read& read) {
     auto refuse = [&](const std::string& what, const char* remedy) {
         return Error(Error::Kind::BadInput, "cannot read '" + file + "': " + what, remedy);
     };
-    constexpr const char* kTooLarge =
-        "it is too large for this machine or for --memory-limit, or damaged";
     try {
         return read();
     } catch (const Error& e) {
