@@ -49,8 +49,8 @@ struct ThreadLimit::Impl {
 };
 
 ThreadLimit::ThreadLimit(int threads) {
-    // TBB takes its own memory at first use, a few MB from the system. Where oneTBB 2022 finds none
-    // then, it waits forever.
+    // At first use TBB takes memory of its own from the system, 4 MB. Where oneTBB 2022 finds none
+    // it waits forever: it throws while it holds locks, and throwing takes one of them.
     constexpr std::size_t kOfTbb = 16 << 20;
     if (!wouldGive(kOfTbb)) throw std::bad_alloc();
     if (threads > 0) impl_ = std::make_unique<Impl>(std::size_t(threads));
