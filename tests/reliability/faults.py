@@ -210,7 +210,7 @@ def out_of_memory(good: dict[str, bytes]) -> int:
     """Too little at any stage, from the start of the threads on: TBB takes 4 MB there, and oneTBB 2022
     waits forever where it finds less than 1 MB."""
     done = 0
-    for limit in (m * 10 ** 6 for m in (*range(60, 200), *range(200, 400, 10))):
+    for limit in (m * 10 ** 6 for m in (*range(100, 180), *range(180, 400, 10))):
         with TempWorkspace(good) as desk:
             def little():
                 resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
