@@ -82,6 +82,25 @@ NodeIndex nodeOnSheet(const Band& band, const SurfaceTriangles::Place& at) {
     return firstOnSheet(band, at, nodes);
 }
 
+/// The nearest point of the triangles. Where p is a vertex that lies on a face of another part, on
+/// one of the vertex's own triangles.
+SurfaceTriangles::Place nearestOnMesh(const SurfaceTriangles& triangles, const Vec3d& p) {
+    constexpr double kSame = 1e-4;  // voxels
+    const auto hasVertex = [&](std::uint32_t t) {
+        for (unsigned k = 0; k < 3; ++k)
+            if (length(triangles.corner(t, k) - p) <= kSame) return true;
+        return false;
+    };
+    const SurfaceTriangles::Place nearest = triangles.nearest(p);
+    if (nearest.triangle == SurfaceTriangles::kNone || hasVertex(nearest.triangle)) return nearest;
+    SurfaceTriangles::Place own;
+    triangles.any(p, kSame, [&](const SurfaceTriangles::Place& at) {
+        if (hasVertex(at.triangle) && at.triangle < own.triangle) own = at;
+        return false;
+    });
+    return own.triangle != SurfaceTriangles::kNone ? own : nearest;
+}
+
 /// The point on psi = 0, found from the node with the nearest foot point.
 Vec3d onPsi(const Band& band, const Vec3d& pIndex, const Nearest& best) {
     const Vec3d foot = band.footPoint(best.node);
@@ -113,7 +132,8 @@ SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex) {
     SurfacePoint s;
     s.askedIndex = pIndex;
     Nearest best;
-    const auto at = band.triangles ? band.triangles->nearest(pIndex) : SurfaceTriangles::Place{};
+    const auto at =
+        band.triangles ? nearestOnMesh(*band.triangles, pIndex) : SurfaceTriangles::Place{};
     if (at.triangle != SurfaceTriangles::kNone) {
         s.pIndex = at.point;
         s.triangle = at.triangle;

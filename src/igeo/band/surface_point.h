@@ -52,10 +52,11 @@ inline SnappedPoint inWorld(const SurfacePoint& p, const Similarity& transform) 
 
 /// The point of S nearest to `pIndex`.
 ///
-/// On a mesh: the nearest point of its triangles. Elsewhere: the search starts at the node with the
-/// nearest foot point (among the 5^3 voxels around the point if these decide it, else among all
-/// nodes) and projects to psi = 0 (projectToSurface). At a corner of a rim S goes on in the plane
-/// of that node, up to 1.5 voxels.
+/// On a mesh: the nearest point of its triangles; for a vertex on a face of another part, of the
+/// vertex's own triangles. Elsewhere: the search starts at the node with the nearest foot point
+/// (among the 5^3 voxels around the point if these decide it, else among all nodes) and projects to
+/// psi = 0 (projectToSurface). At a corner of a rim S goes on in the plane of that node, up to 1.5
+/// voxels.
 /// @param pIndex finite position in index space
 /// @throws Error  BadInput for an empty band
 /// Time O(1) near the surface, O(n) in parallel elsewhere; O(log triangles) on a mesh. Accuracy:
