@@ -161,7 +161,7 @@ namespace {
 /// follows.
 SurfaceTriangles::Place placeAlong(const SurfaceTriangles& triangles, const Vec3d& p,
                                    const Vec3d& end) {
-    constexpr double kStep = 1e-3, kOn = 1e-6;  // voxels
+    constexpr double kStep = 1e-3, kOn = 1e-4;  // voxels
     const SurfaceTriangles::Place nearest = triangles.nearest(p);
     const double l = length(end - p);
     if (!(l > 0)) return nearest;
