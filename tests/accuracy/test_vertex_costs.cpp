@@ -1,4 +1,5 @@
 // Slopes, and costs and obstacles at the vertices of a mesh, against closed forms.
+#include <igeo/base/nearest_on_triangle.h>
 #include <igeo/geodesic_solver.h>
 #include <igeo/metric/obstacles.h>
 #include <igeo/metric/vertex_weights.h>
@@ -245,11 +246,7 @@ std::vector<std::array<Vec3d, 2>> linesOf(const TriangleMesh& mesh,
 
 double fromLines(const std::vector<std::array<Vec3d, 2>>& lines, const Vec3d& p) {
     double least = kInfinity;
-    for (const auto& [a, b] : lines) {
-        const double squared = dot(b - a, b - a);
-        const double along = squared > 0 ? std::clamp(dot(p - a, b - a) / squared, 0.0, 1.0) : 0;
-        least = std::min(least, length(p - a - along * (b - a)));
-    }
+    for (const auto& [a, b] : lines) least = std::min(least, distanceToSegment(p, a, b));
     return least;
 }
 
