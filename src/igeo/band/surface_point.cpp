@@ -10,6 +10,9 @@ namespace igeo {
 
 namespace {
 
+/// How far from its place in the file a vertex on a face of another part may be (separate), voxels.
+constexpr double kOffContact = 1e-4;
+
 struct Nearest {
     NodeIndex node = kNoNode;
     double squared = kInfinity;
@@ -85,16 +88,15 @@ NodeIndex nodeOnSheet(const Band& band, const SurfaceTriangles::Place& at) {
 /// The nearest point of the triangles. Where p is a vertex that lies on a face of another part, on
 /// one of the vertex's own triangles.
 SurfaceTriangles::Place nearestOnMesh(const SurfaceTriangles& triangles, const Vec3d& p) {
-    constexpr double kSame = 1e-4;  // voxels
     const auto hasVertex = [&](std::uint32_t t) {
         for (unsigned k = 0; k < 3; ++k)
-            if (length(triangles.corner(t, k) - p) <= kSame) return true;
+            if (length(triangles.corner(t, k) - p) <= kOffContact) return true;
         return false;
     };
     const SurfaceTriangles::Place nearest = triangles.nearest(p);
     if (nearest.triangle == SurfaceTriangles::kNone || hasVertex(nearest.triangle)) return nearest;
     SurfaceTriangles::Place own;
-    triangles.any(p, kSame, [&](const SurfaceTriangles::Place& at) {
+    triangles.any(p, kOffContact, [&](const SurfaceTriangles::Place& at) {
         if (hasVertex(at.triangle) && at.triangle < own.triangle) own = at;
         return false;
     });
@@ -161,13 +163,13 @@ namespace {
 /// follows.
 SurfaceTriangles::Place placeAlong(const SurfaceTriangles& triangles, const Vec3d& p,
                                    const Vec3d& end) {
-    constexpr double kStep = 1e-3, kOn = 1e-4;  // voxels
+    constexpr double kStep = 1e-3;  // voxels
     const SurfaceTriangles::Place nearest = triangles.nearest(p);
     const double l = length(end - p);
     if (!(l > 0)) return nearest;
     const std::uint32_t t = triangles.nearest(p + std::min(kStep / l, 0.5) * (end - p)).triangle;
     const SurfaceTriangles::Place along = triangles.placeOn(t, p);
-    return along.squared <= nearest.squared + kOn * kOn ? along : nearest;
+    return along.squared <= nearest.squared + kOffContact * kOffContact ? along : nearest;
 }
 
 }  // namespace
