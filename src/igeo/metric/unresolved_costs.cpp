@@ -109,9 +109,11 @@ std::vector<std::string> costWarnings(const Band& band, const Metric& metric, bo
     std::vector<std::string> warnings;
     if (!band.spine.empty() && (metric.obstacles || metric.least() < metric.largest()))
         warnings.push_back(
-            "three or more sheets of the mesh share an edge: where they are less than 15 degrees "
-            "apart, distances with weights or obstacles are off by up to 15 voxels from sheet to "
-            "sheet; use smaller voxels, or one cost everywhere");
+            "beside " + percent(double(band.spine.size()) / double(band.coreSize())) +
+            " of the surface three or more sheets of the mesh share an edge, and are too close for "
+            "the voxels: where they are less than 15 degrees apart, distances with weights or "
+            "obstacles are off by up to 15 voxels from sheet to sheet; use smaller voxels, or one "
+            "cost everywhere");
     if (const double share = shareOfSteepWeights(band, metric); share > kSteep)
         warnings.push_back("on " + percent(share) +
                            " of the surface weights change by more than 40 % per voxel: distances "

@@ -126,10 +126,10 @@ std::vector<std::string> meshWarnings(const MeshFacts& facts) {
             "vertex",
             facts.pinches == 1 ? "a vertex" : fmt::format("{} vertices", facts.pinches)));
     if (facts.nonOrientable > 0)
-        warnings.push_back(
-            "the mesh has one side only in places (as a Moebius strip): godunov cuts it along a "
-            "line "
-            "there, which its paths go around; jet does not");
+        warnings.push_back(fmt::format(
+            "the mesh has one side only (as a Moebius strip) in {} of {}: godunov cuts it along a "
+            "line there, which its paths go around; jet does not",
+            facts.nonOrientable, counted(facts.components, "part")));
     return warnings;
 }
 

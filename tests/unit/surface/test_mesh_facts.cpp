@@ -207,6 +207,12 @@ TEST_CASE("a mesh is described in the words of meshes", "[mesh]") {
                                                 }));
     CHECK(meshWarnings(factsOf(crossed)).back() ==
           "3 pairs of faces cross: the mesh passes through itself");
+    const TriangleMesh strip =
+        test::together(test::moebius(1, 0.4, 60), test::sphereMesh({}, 9, 2));
+    CHECK(meshWarnings(factsOf(strip)) ==
+          std::vector<std::string>{"the mesh has one side only (as a Moebius strip) in 1 of 2 "
+                                   "parts: godunov cuts it along a line there, which its paths go "
+                                   "around; jet does not"});
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <igeo/march/detail/jet_core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -112,14 +113,18 @@ struct Corner {
 };
 
 /// The point of an obstacle that is highest over a step along S that it blocks, on one side of the
-/// step. None where the obstacle goes on there, or is lower than what steps along balls of 1.2
-/// voxels cut off.
+/// step. None where the obstacle goes on there, or is round and lower than what steps along balls
+/// of 1.2 voxels cut off.
 std::optional<Vec3d> highestOver(const Metric& metric, const Vec3d& a, const Vec3d& b,
                                  const Vec3d& normal, const Vec3d& out) {
-    constexpr double kLeast = 0.2, kHighest = 1.2, kBelow = 0.005, kBeside = 0.02;
+    constexpr double kLeast = 0.02, kLeastRound = 0.2, kHighest = 1.2, kPassage = 0.3,
+                     kBelow = 0.005, kWide = 0.1, kBeside = 0.02;
     const auto blocks = [&](double h) { return metric.blocked(a + h * out, b + h * out, normal); };
-    if (blocks(kHighest)) return {};
-    const double height = kHighest * lastOf([&](double t) { return blocks(t * kHighest); });
+    // Above a narrow passage there may be another obstacle.
+    double free = kHighest;
+    while (blocks(free))
+        if ((free -= kPassage) < kPassage / 2) return {};
+    const double height = free * lastOf([&](double t) { return blocks(t * free); });
     if (height < kLeast) return {};
     const Vec3d from = a + (height - kBelow) * out, along = b - a;
     const double first =
@@ -129,6 +134,7 @@ std::optional<Vec3d> highestOver(const Metric& metric, const Vec3d& a, const Vec
                         });
     // Over an end of the step the obstacle may go on.
     if (first < kBeside || last > 1 - kBeside) return {};
+    if (height < kLeastRound && (last - first) * length(along) > kWide) return {};
     return a + (first + last) / 2 * along + height * out;
 }
 
@@ -147,8 +153,10 @@ std::optional<Vec3d> onSurface(const Band& band, const Vec3d& p, const Vec3f& no
 /// The corner at a point of an obstacle: a small circle around it is blocked in one part, less than
 /// half of it. That of a wall is in two parts, that of a side half of it. None where S bends or
 /// ends there: the obstacle may go on over the edge.
-std::optional<Corner> cornerAt(const JetCore& core, const Vec3d& beside, const Vec3f& normal) {
-    constexpr int kSides = 32, kMostBlocked = 15;
+/// @param up  away from the obstacle; parts on that side are of another, beyond a narrow passage
+std::optional<Corner> cornerAt(const JetCore& core, const Vec3d& beside, const Vec3f& normal,
+                               const Vec3d& up) {
+    constexpr std::size_t kSides = 32, kMostBlocked = 15;
     constexpr double kRadius = 0.3, kMostOff = 0.16, kPi = std::numbers::pi, kOffChord = 0.25,
                      kOffPlane = 0.1;
     const auto found = onSurface(core.band, beside, normal, kOffChord);
@@ -161,25 +169,29 @@ std::optional<Corner> cornerAt(const JetCore& core, const Vec3d& beside, const V
                            (std::cos(angle) * Vec3d(frame.axis(0)) +
                             std::sin(angle) * Vec3d(frame.axis(1)));
     };
-    int blocked = 0, parts = 0;
-    bool isBlocked = core.metric.blocked(at(-1), at(0), Vec3d(normal));
-    Vec3d inside{};
-    for (int k = 0; k < kSides; ++k) {
-        if (!onSurface(core.band, at(k), normal, kOffPlane)) return {};
-        const bool wasBlocked = isBlocked;
-        isBlocked = core.metric.blocked(at(k), at(k + 1), Vec3d(normal));
-        if (!isBlocked) continue;
-        ++blocked, parts += !wasBlocked;
-        inside += at(k + 0.5) - point;
+    std::array<bool, kSides> blocked{};
+    for (std::size_t k = 0; k < kSides; ++k) {
+        if (!onSurface(core.band, at(double(k)), normal, kOffPlane)) return {};
+        blocked[k] = core.metric.blocked(at(double(k)), at(double(k + 1)), Vec3d(normal));
     }
-    if (parts != 1 || blocked > kMostBlocked) return {};
+    std::size_t sides = 0, parts = 0;
+    Vec3d inside{};
+    for (std::size_t k = 0; k < kSides; ++k) {
+        if (!blocked[k] || blocked[(k + kSides - 1) % kSides]) continue;
+        std::size_t count = 0;
+        Vec3d sum{};
+        for (; blocked[(k + count) % kSides]; ++count) sum += at(double(k + count) + 0.5) - point;
+        if (dot(sum, up) > 0) continue;
+        sides = count, inside = sum, ++parts;
+    }
+    if (parts != 1 || sides > kMostBlocked) return {};
     // A point, as a single vertex, has no corner.
     bool goesOn = false;
-    for (int k = 0; k < kSides && !goesOn; ++k)
-        goesOn = core.metric.blocked(at(k, 2), at(k + 1, 2), Vec3d(normal));
+    for (std::size_t k = 0; k < kSides && !goesOn; ++k)
+        goesOn = core.metric.blocked(at(double(k), 2), at(double(k + 1), 2), Vec3d(normal));
     if (!goesOn) return {};
     const Vec3d out = -normalized(inside);
-    const double off = std::min(double(kRimOff) / std::sin(kPi * blocked / kSides), kMostOff);
+    const double off = std::min(double(kRimOff) / std::sin(kPi * double(sides) / kSides), kMostOff);
     const Vec3d moved = point + off * out;
     if (core.metric.blocked(moved, moved, Vec3d(normal))) return {};
     return Corner{point, out, off, kNoNode};
@@ -196,7 +208,7 @@ std::optional<Corner> cornerBetween(const JetCore& core, NodeIndex i, NodeIndex 
     const Vec3d across = normalized(cross(Vec3d(normal), b - a));
     for (const Vec3d& out : {across, -across})
         if (const auto point = highestOver(core.metric, a, b, Vec3d(normal), out))
-            if (auto corner = cornerAt(core, *point, normal)) {
+            if (auto corner = cornerAt(core, *point, normal, out)) {
                 corner->neighbor = i;
                 return corner;
             }
