@@ -22,6 +22,7 @@ struct LevelSetStats {
     double halfWidth = 0;             ///< largest |psi| of an active voxel that is no stray
     std::uint64_t strayVoxels = 0;    ///< |psi| far beyond that of all others
     bool conversionUndone = false;    ///< isRenormalized: the last step of the conversion
+    bool halfPrecision = false;       ///< isInHalfPrecision: nothing shows what made the values
     std::uint64_t loweredVoxels = 0;  ///< before hollow edges, by a conversion; set right again
     std::uint64_t nearSurface = 0;    ///< |psi| < 1
     double crossingShare = 0;         ///< of nearSurface: a face neighbor has the other sign

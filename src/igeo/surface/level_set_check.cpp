@@ -225,7 +225,10 @@ void turnWrongSigns(LevelSet& s) {
 /// A conversion from a mesh by OpenVDB ends with a step that makes psi too low where S is hollow.
 void undoConversion(LevelSet& s) {
     const bool bitsShow = isRenormalized(*s.psi);
-    if (!bitsShow && !repeatsValues(*s.psi)) return;
+    if (!bitsShow && !repeatsValues(*s.psi)) {
+        s.stats.halfPrecision = isInHalfPrecision(*s.psi);
+        return;
+    }
     const openvdb::FloatGrid::Ptr psi = toChange(s);
     const double dx = s.transform.dx;
     const std::optional<Undone> undone =

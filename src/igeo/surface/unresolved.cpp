@@ -246,7 +246,9 @@ Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
     unresolved.thin = shareOf(thin);
     unresolved.closed = shareOf(closed);
     unresolved.cutOff = shareOf(cutOff);
-    if (levelSet.stats.conversionUndone) unresolved.gap = shareOf(gap);
+    unresolved.halfPrecision = levelSet.stats.halfPrecision;
+    if (levelSet.stats.conversionUndone || levelSet.stats.halfPrecision)
+        unresolved.gap = shareOf(gap);
     return unresolved;
 }
 
@@ -329,6 +331,8 @@ Unresolved unresolvedOf(const MeshFacts& facts, const Band& band) {
 std::vector<std::string> unresolvedWarnings(const Unresolved& unresolved) {
     // Smaller shares occur next to sharp edges, and where a conversion has rounded bends.
     constexpr double kClosed = 0.001, kThin = 0.005, kCutOff = 0.001, kFacing = 0.02, kGap = 0.001;
+    // Beside the necks of conversions whose last step is not undone fewer gaps show.
+    constexpr double kGapInHalf = 0.0003;
     std::vector<std::string> warnings;
     auto warn = [&](const std::optional<double>& share, double much, const char* sentence) {
         if (!share || *share < much) return false;
@@ -339,10 +343,16 @@ std::vector<std::string> unresolvedWarnings(const Unresolved& unresolved) {
               "psi contradicts itself next to {} of the surface: where folds or gaps of up to two "
               "voxels were closed when the level set was made, distances across them come out too "
               "short; smaller voxels, or the mesh itself, keep them open"))
-        warn(unresolved.gap, kGap,
-             "gaps are narrower than 2.3 voxels on {} of the surface: OpenVDB's conversion from a "
-             "mesh closes parts of such gaps, and then fronts cross them and distances come out "
-             "too short; smaller voxels, or the mesh itself, keep them open");
+        warn(unresolved.gap, unresolved.halfPrecision ? kGapInHalf : kGap,
+             unresolved.halfPrecision
+                 ? "gaps are narrower than 2.3 voxels on {} of the surface, and values in half "
+                   "precision do not show whether OpenVDB made it from a mesh: such a conversion "
+                   "closes parts of such gaps, and then fronts cross them and distances come out "
+                   "too short; smaller voxels, or the mesh itself, keep them open"
+                 : "gaps are narrower than 2.3 voxels on {} of the surface: OpenVDB's conversion "
+                   "from a mesh closes parts of such gaps, and then fronts cross them and "
+                   "distances come out too short; smaller voxels, or the mesh itself, keep them "
+                   "open");
     warn(unresolved.thin, kThin,
          "walls or gaps are thinner than 1.1 voxels on {} of the surface: fronts may cross "
          "them, and distances come out too short; smaller voxels separate their sides");

@@ -19,10 +19,12 @@ struct Unresolved {
     std::optional<double> thin;
     /// Level sets: within two voxels of a contradiction in psi.
     std::optional<double> closed;
-    /// Level sets that OpenVDB made from a mesh: another sheet, opposed within 45 degrees, lies
-    /// outside within 2.3 voxels. In such gaps the conversion may give voxels the sign of the
-    /// inside, which leaves a neck from sheet to sheet.
+    /// Level sets that OpenVDB made from a mesh, or may have made, as values in half precision do
+    /// not tell: another sheet, opposed within 45 degrees, lies outside within 2.3 voxels. In such
+    /// gaps the conversion may give voxels the sign of the inside, which leaves a neck from sheet
+    /// to sheet.
     std::optional<double> gap;
+    bool halfPrecision = false;    ///< LevelSetStats::halfPrecision: nothing tells
     std::optional<double> facing;  ///< meshes: facingShare
     /// Meshes: Band::cutOff. Level sets: nodes that no front reaches, in groups of at most eight,
     /// as the links to all nodes beside them are cut

@@ -109,6 +109,11 @@ TEST_CASE("isRenormalized: no other level sets") {
     Grid::Ptr half = psi->deepCopy();
     for (auto it = half->beginValueOn(); it; ++it) it.setValue(float(openvdb::math::half(*it)));
     CHECK(!isRenormalized(*half));
+    CHECK(isInHalfPrecision(*half));
+    CHECK(!isInHalfPrecision(*psi));
+    CHECK(!isInHalfPrecision(*makeLevelSet(sphere(kOffLattice, 1), 0.05, 3)));
+    // A box between voxels, of few values.
+    CHECK(!isInHalfPrecision(*makeLevelSet(igeo::test::box({}, {0.5, 0.75, 1}), 0.0625, 3)));
     // The step is not the last one.
     Grid::Ptr filtered = psi->deepCopy();
     openvdb::tools::LevelSetFilter<Grid>(*filtered).gaussian();

@@ -57,6 +57,13 @@ TriangleMesh blocks(double gap) {
                                })));
 }
 
+/// As saved as half floats.
+openvdb::FloatGrid::Ptr inHalf(const openvdb::FloatGrid::Ptr& psi) {
+    const openvdb::FloatGrid::Ptr half = psi->deepCopy();
+    for (auto it = half->beginValueAll(); it; ++it) it.setValue(float(openvdb::math::half(*it)));
+    return half;
+}
+
 Unresolved onVoxels(const TriangleMesh& mesh, double dx) {
     return unresolvedOf(meshFacts(mesh), bandFromMesh(mesh, dx, std::sqrt(3.0)));
 }
@@ -124,7 +131,7 @@ TEST_CASE("unresolved: gaps between round parts, which a conversion closes witho
         const TriangleMesh two =
             together(sphereMesh({-at, 0, 0}, r, 4), sphereMesh({at, 0, 0}, r, 4));
         double least = 1, most = 0;
-        int seen = 0, joined = 0;
+        int seen = 0, joined = 0, seenInHalf = 0;
         for (int k = 0; k < 6; ++k) {
             const auto transform = rotatedTransform(1, {1.0 + k, 2, 3.0 - k}, 40 + 25.0 * k,
                                                     {0.13 * k, 0.31 * k, 0.2});
@@ -137,15 +144,20 @@ TEST_CASE("unresolved: gaps between round parts, which a conversion closes witho
             seen += warns(u, "closes parts of such gaps") || warns(u, "closed when the level set");
             least = std::min(least, *u.gap);
             most = std::max(most, *u.gap);
+            const Unresolved half = unresolved(inHalf(psi));
+            seenInHalf += warns(half, "values in half precision do not show") ||
+                          warns(half, "closed when the level set");
             const Distance d = GeodesicSolver(Surface(*psi)).distance({placed({-at - r, 0, 0})});
             joined += d.at(placed({at + r, 0, 0})) < kInfinity;
         }
         std::printf("balls, gap of %.1f voxels: narrow on %.2g to %.2g %%, joined %d times of 6\n",
                     gap, 100 * least, 100 * most, joined);
         CHECK(seen == (gap < 2.5 ? 6 : 0));
+        CHECK(seenInHalf == (gap < 2.5 ? 6 : 0));
         if (gap > 2.5) CHECK(joined == 0);
     }
     CHECK_FALSE(unresolved(makeLevelSet(sphere(kOffLattice, 0.5), 0.05, 3)).gap);
+    CHECK(*unresolved(inHalf(makeLevelSet(sphere(kOffLattice, 0.5), 0.05, 3))).gap == 0);
 }
 
 TEST_CASE("unresolved: no closed gaps beside the hollow edges of unions and differences") {

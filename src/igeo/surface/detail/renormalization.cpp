@@ -440,6 +440,19 @@ bool repeatsValues(const openvdb::FloatGrid& psi) {
     return true;
 }
 
+bool isInHalfPrecision(const openvdb::FloatGrid& psi) {
+    constexpr int kPlaces = 10, kLeastExponent = -14;
+    for (const Leaf* leaf : leavesToLookAt(psi)) {
+        bool all = true;
+        forActive(*leaf, [&](float value) {
+            const int exponent = std::max(std::ilogb(value), kLeastExponent);
+            all = all && std::fmod(double(value), std::ldexp(1, exponent - kPlaces)) == 0;
+        });
+        if (!all) return false;
+    }
+    return !repeatsValues(psi);
+}
+
 Undone undoRenormalization(openvdb::FloatGrid& psi, double dx) {
     return Undo(psi.tree(), dx).run();
 }

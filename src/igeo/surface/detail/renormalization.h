@@ -24,6 +24,11 @@ bool isRenormalized(const openvdb::FloatGrid& psi);
 /// bits show nothing. Looks at as many leaves.
 bool repeatsValues(const openvdb::FloatGrid& psi);
 
+/// Whether all values are numbers of half precision, as of a grid that was saved as half floats.
+/// Their bits do not show what made them. Values that repeat are so by chance. Looks at as many
+/// leaves.
+bool isInHalfPrecision(const openvdb::FloatGrid& psi);
+
 /// Numbers of voxels once the step is undone.
 struct Undone {
     std::size_t lowered = 0;     ///< in front of hollow edges
