@@ -156,7 +156,10 @@ TEST_CASE("hard surfaces: a plate without a voxel inside is refused") {
 
 TEST_CASE("hard surfaces: the gradient check warns of noise that matters") {
     CHECK(checkedLevelSet(scaled(0.92f)).stats.gradientMedian == Approx(0.92).epsilon(0.01));
-    CHECK(checkedLevelSet(scaled(0.92f)).warnings.empty());
+    const LevelSet divided = checkedLevelSet(scaled(0.92f));
+    CHECK(divided.stats.dividedBy == Approx(0.92).epsilon(0.00093));  // measured 0.00062
+    REQUIRE(divided.warnings.size() == 1);
+    CHECK(divided.warnings[0].find("it was divided by") != std::string::npos);
     // A central difference of noise up to e is at most e in each axis: |grad psi| stays within
     // 0.1 sqrt(3) of 1, and 0.25 is allowed.
     CHECK(checkedLevelSet(noisy(0.1f)).warnings.empty());

@@ -26,9 +26,10 @@ struct LevelSetStats {
     std::uint64_t loweredVoxels = 0;  ///< before hollow edges, by a conversion; set right again
     std::uint64_t nearSurface = 0;    ///< |psi| < 1
     double crossingShare = 0;         ///< of nearSurface: a face neighbor has the other sign
-    double gradientMedian = 0;        ///< of |grad psi|, central differences; NaN: no voxel has six
-                                      ///< active neighbors
+    double gradientMedian = 0;        ///< of |grad psi| as given, central differences; NaN: no
+                                      ///< voxel has six active neighbors
     double gradientShare = 0;         ///< of voxels with |grad psi| in [0.75, 1.25]
+    double dividedBy = 1;             ///< psi was a distance times this; the share is that after
     std::uint64_t cutVoxels = 0;  ///< at the surface, yet a neighbor that should be there is not
     double largestCurvature = 0;  ///< 95th percentile of max |principal curvature| on S
     double reach = 0;             ///< least |psi| at which sheets meet; halfWidth if they do not

@@ -253,11 +253,29 @@ double unresolvedShare(const PsiTally& all) {
     return std::min(bent + meeting, 1.0);
 }
 
-/// @return voxels where |psi| has a sharp convex kink
-std::vector<openvdb::Coord> measure(LevelSet& s, Progress& progress) {
+/// |grad psi| that half of the voxels share, if it is clearly not 1, but near: psi is a distance
+/// times that. A fifth of the voxels exceed it. Of a distance these have 1, also where all others
+/// have less, at kinks and around balls of two voxels; of noise they have more, but few share it.
+/// 1: none is shared.
+double sharedSlope(const Histogram& gradient) {
+    constexpr double kClear = 0.02, kMost = 0.1, kAlike = 0.015, kMany = 0.5, kExceeded = 0.8;
+    const double slope = gradient.quantile(kExceeded) * PsiTally::kGradientRange,
+                 off = std::abs(slope - 1);
+    if (gradient.total() == 0 || off <= kClear || off > kMost) return 1;
+    const double share = gradient.share((1 - kAlike) * slope / PsiTally::kGradientRange,
+                                        (1 + kAlike) * slope / PsiTally::kGradientRange);
+    return share >= kMany ? slope : 1;
+}
+
+struct Measured {
+    std::vector<openvdb::Coord> ridges;  ///< voxels where |psi| has a sharp convex kink
+    double slope = 1;                    ///< sharedSlope
+};
+
+Measured measure(LevelSet& s, Progress& progress) {
     const std::vector<const Leaf*> leaves = leavesOf(*s.psi);
     Steps steps(progress, "check", leaves.size());
-    const auto all = sumOver<PsiTally>(leaves, 64, [&](PsiTally& to, auto some) {
+    auto all = sumOver<PsiTally>(leaves, 64, [&](PsiTally& to, auto some) {
         if (steps.cancelled()) return;
         to.addLeaves(s.psi->constTree(), s.transform.dx, s.stats.halfWidth, some);
         steps.add(some.size());
@@ -279,7 +297,22 @@ std::vector<openvdb::Coord> measure(LevelSet& s, Progress& progress) {
     const double meeting = all.meeting.valueAfter(all.nearSurface / 200) * PsiTally::kReachRange;
     st.reach = std::min(meeting, st.halfWidth);
     st.unresolvedShare = unresolvedShare(all);
-    return all.ridges;
+    return {std::move(all.ridges), sharedSlope(all.gradient)};
+}
+
+/// Makes a distance of one times a slope.
+void divide(LevelSet& s, double slope) {
+    const openvdb::FloatGrid::Ptr psi = toChange(s);
+    for (auto it = psi->beginValueAll(); it; ++it) it.setValue(float(*it / slope));
+    psi->tree().root().setBackground(float(psi->background() / slope), false);
+    s.psi = psi;
+    s.stats.halfWidth /= slope;
+    s.stats.dividedBy = slope;
+    s.warnings.push_back(
+        fmt::format("psi changes by {:.3g} per unit length, where a distance changes by 1: it was "
+                    "divided by {:.3g}. If the voxel size is off by this factor and not psi, all "
+                    "lengths are",
+                    slope, slope));
 }
 
 /// Beside the edges of unions of level sets psi is the lesser of two distances, and none itself.
@@ -337,9 +370,15 @@ void checkLevelSet(LoadedGrid loaded, LevelSet& s, Progress& progress) {
     undoConversion(s);
     takeNarrowerSide(s);
     if (s.stats.halfWidth < kLeastWidth) widen(s, 3);
-    const std::vector<openvdb::Coord> ridges = measure(s, progress);
+    Measured measured = measure(s, progress);
+    if (measured.slope != 1) {
+        const double median = s.stats.gradientMedian;
+        divide(s, measured.slope);
+        measured = measure(s, progress);
+        s.stats.gradientMedian = median;
+    }
     judgeShape(s);
-    measureEdges(s, ridges);
+    measureEdges(s, measured.ridges);
 }
 
 void widen(LevelSet& s, double halfWidth) {

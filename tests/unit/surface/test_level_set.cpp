@@ -191,6 +191,54 @@ TEST_CASE("checkLevelSet: walls of 1.5 voxels are distances, though most voxels 
     CHECK_THROWS_WITH(checkedLevelSet(flat), contains("psi is not a distance"));
 }
 
+TEST_CASE("checkLevelSet: a distance times a constant is divided by it") {
+    double most = 0, mostOfSlope = 0;
+    for (const Shape& shape :
+         {sphere(kOffLattice, 0.5), torus(kOffLattice, 1, 0.4), box(kOffLattice, {0.9, 0.7, 0.5})})
+        for (const float slope : {0.92f, 0.97f, 1.03f, 1.08f}) {
+            CAPTURE(shape.name, slope);
+            const auto exact = makeLevelSet(shape, *rotatedTransform(0.05, {1, 2, 3}, 40, {}), 3),
+                       scaled = exact->deepCopy();
+            for (auto it = scaled->beginValueAll(); it; ++it) it.setValue(slope * *it);
+            const LevelSet s = checkedLevelSet(scaled);
+            REQUIRE(s.warnings.size() == 1);
+            CHECK_THAT(s.warnings[0], contains("it was divided by"));
+            mostOfSlope = std::max(mostOfSlope, std::abs(s.stats.dividedBy / double(slope) - 1));
+            CHECK(s.stats.halfWidth == Approx(3).epsilon(0.0020));  // measured 0.0013
+            for (auto it = exact->cbeginValueOn(); it; ++it)
+                most = std::max(most, std::abs(s.psi->tree().getValue(it.getCoord()) - *it) / 0.05);
+            CHECK(*scaled->cbeginValueOn() == slope * *exact->cbeginValueOn());
+        }
+    std::printf("a distance times a constant: slope off by %.2g, psi by up to %.2g voxels\n",
+                mostOfSlope, most);
+    CHECK(mostOfSlope < 0.0020);  // measured 0.0013
+    CHECK(most < 0.0058);         // measured 0.0039
+}
+
+TEST_CASE("checkLevelSet: distances are not divided") {
+    for (const double voxels : {1.5, 2.0, 3.0, 5.0, 20.0})
+        for (const double halfWidth : {1.0, 2.0, 3.0, 6.0}) {
+            CAPTURE(voxels, halfWidth);
+            CHECK(statsOf(sphere(kOffLattice, voxels), 1, halfWidth).dividedBy == 1);
+            CHECK(statsOf(torus(kOffLattice, 2 * voxels, voxels), 1, halfWidth).dividedBy == 1);
+            CHECK(statsOf(cylinder(kOffLattice, voxels, 20), 1, halfWidth).dividedBy == 1);
+        }
+}
+
+TEST_CASE("checkLevelSet: a level set that was scaled along one axis is no distance") {
+    // Values of a sphere, on an ellipsoid.
+    Shape flat = sphere(kOffLattice, 1);
+    flat.sdf = [of = flat.sdf](const openvdb::Vec3d& p) {
+        return of(kOffLattice + (p - kOffLattice) * openvdb::Vec3d(0.9, 0.9, 1));
+    };
+    flat.bounds =
+        openvdb::BBoxd(kOffLattice - openvdb::Vec3d(1.2), kOffLattice + openvdb::Vec3d(1.2));
+    const LevelSet s = checkedLevelSet(makeLevelSet(flat, 0.05, 3));
+    CHECK(s.stats.dividedBy == 1);
+    REQUIRE(s.warnings.size() == 1);
+    CHECK_THAT(s.warnings[0], contains("as where it was filtered, or scaled along one axis"));
+}
+
 TEST_CASE("checkLevelSet: the transform becomes a similarity") {
     const openvdb::Vec3d shift(5, -7, 11);
     const auto transform = rotatedTransform(0.05, {1, 2, 3}, 77, shift);

@@ -99,6 +99,13 @@ void judgeGradient(LevelSet& s) {
             fmt::format("{:.1f} % of the voxels have |grad psi| outside [0.75, 1.25]: psi is a "
                         "rough distance, and results near there are unreliable",
                         100 * (1 - st.gradientShare)));
+    else if (constexpr double kClear = 0.03;
+             st.dividedBy == 1 && std::abs(st.gradientMedian - 1) > kClear)
+        s.warnings.push_back(
+            fmt::format("psi changes by {:.3g} per unit length (median), where a distance changes "
+                        "by 1, as where it was filtered, or scaled along one axis: results are off "
+                        "by parts of a voxel; redistance it by rebuilt()",
+                        st.gradientMedian));
 }
 
 }  // namespace
