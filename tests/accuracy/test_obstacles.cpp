@@ -1,15 +1,19 @@
 // Distances and paths around an obstacle, against tangents and arcs.
 #include <igeo/geodesic_solver.h>
 #include <igeo/metric/obstacles.h>
+#include <igeo/warnings.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/openvdb.h>
 #include <support/shapes.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace igeo::test {
@@ -205,6 +209,115 @@ TEST_CASE("obstacles: fronts turn around the corners of boxes and the ends of sc
         CHECK(p95 < c.p95);
         CHECK(errors.back() < c.max);
         CHECK(errors.front() > -0.75);  // one voxel off S, beside a corner: -0.497
+    }
+}
+
+/// The least of a convex function on [0, 1].
+template <typename F>
+double leastOf(const F& f) {
+    double low = 0, high = 1;
+    for (int round = 0; round < 50; ++round) {
+        const double a = low + (high - low) / 3, b = high - (high - low) / 3;
+        (f(a) < f(b) ? high : low) = f(a) < f(b) ? b : a;
+    }
+    return f((low + high) / 2);
+}
+
+/// The length of a string in a plane through two gates, each from one of two points to the other.
+double throughGates(const Vec3d& from, const std::array<Vec3d, 2>& near,
+                    const std::array<Vec3d, 2>& far, const Vec3d& to) {
+    return leastOf([&](double t) {
+        const Vec3d p = near[0] + t * (near[1] - near[0]);
+        return (p - from).length() + leastOf([&](double u) {
+                   const Vec3d q = far[0] + u * (far[1] - far[0]);
+                   return (q - p).length() + (to - q).length();
+               });
+    });
+}
+
+TEST_CASE("obstacles: fronts pass between two blocks as a string does") {
+    constexpr double kN = 64;
+    const Vec3d normal = Vec3d(1, -2, 3).unit(), x = normal.cross(Vec3d(0.3, 1, 0.2)).unit(),
+                y = normal.cross(x);
+    const Surface surface(*makeLevelSet(planePatch(kCenter, normal, 0.8), 1 / kN, 3));
+    const auto onPlane = [&](double px, double py) {
+        const Vec3d p(px, py, kCenter.z());
+        return p - Vec3d(0, 0, (p - kCenter).dot(normal) / normal.z());
+    };
+    struct Case {
+        double width;                // of the passage, voxels
+        double mean, p95, max, min;  // measured
+    };
+    for (const Case& c : {Case{0.7, 0.203, 0.666, 1.032, -0.043},
+                          {1, 0.149, 0.566, 1.329, -0.017},
+                          {2, 0.102, 0.412, 0.997, -0.017}}) {
+        const double gap = c.width / kN * std::sqrt(1 - normal.y() * normal.y());
+        std::vector<double> errors;
+        for (int k = 0; k < 24; ++k) {
+            const double x0 = kCenter.x() + 0.04 * std::cos(2.0 * k),
+                         x1 = x0 + (1 + k % 5) * 0.4 / kN,
+                         y0 = kCenter.y() + 0.04 * std::sin(3.0 * k), y1 = y0 + gap;
+            auto obstacles = std::make_shared<ObstacleSet>(surface.transform());
+            obstacles->addBox({x0, y0 - 2, -2}, {x1, y0, 2});
+            obstacles->addBox({x0, y1, -2}, {x1, y1 + 2, 2});
+            SolverOptions options;
+            options.metric.obstacles = obstacles;
+            const Vec3d seed = onPlane(x0 - 0.15, y0 + 0.1 * std::cos(0.7 * k));
+            const Distance d = GeodesicSolver(surface, options).distance({fromVdb(seed)});
+            const Vec3d from = seedOf(d);
+            const Band& band = d.band();
+            for (NodeIndex i = 0; i < band.size(); i += 16) {
+                const Vec3d p = worldOf(band, band.footPoint(i));
+                if (p.x() < x1 + 1 / kN || std::abs((p - kCenter).dot(x)) > 0.37 ||
+                    std::abs((p - kCenter).dot(y)) > 0.37 || !(d.field().distance[i] < kInfinity))
+                    continue;
+                errors.push_back(d.field().distance[i] -
+                                 kN * throughGates(from, {onPlane(x0, y0), onPlane(x0, y1)},
+                                                   {onPlane(x1, y0), onPlane(x1, y1)}, p));
+            }
+        }
+        std::sort(errors.begin(), errors.end());
+        REQUIRE(errors.size() > 1000);
+        double mean = 0;
+        for (const double e : errors) mean += std::abs(e) / double(errors.size());
+        const double p95 = errors[errors.size() * 95 / 100];
+        std::printf(
+            "behind a passage of %.1f voxels: mean %.4f, p95 %.4f, max %.3f, min %.3f voxels of "
+            "%zu\n",
+            c.width, mean, p95, errors.back(), errors.front(), errors.size());
+        INFO("passage of " << c.width << " voxels");
+        CHECK(mean < 1.5 * c.mean);
+        CHECK(p95 < 1.5 * c.p95);
+        CHECK(errors.back() < 1.5 * c.max);
+        CHECK(errors.front() > 1.5 * c.min);
+    }
+}
+
+TEST_CASE("obstacles: passages narrower than a voxel are warned of") {
+    constexpr double kN = 64;
+    const Surface surface(
+        *makeLevelSet(planePatch(kCenter, Vec3d(1, -2, 3).unit(), 0.8), 1 / kN, 3));
+    // Voxels; how many of 24 warn, at least: two thirds of the 24, 24 and 0 measured.
+    for (const auto& [width, least] : {std::pair{0.1, 16}, {0.3, 16}, {2.0, 0}}) {
+        int warned = 0;
+        for (int k = 0; k < 24; ++k) {
+            const Vec3d at = kCenter + 0.04 * Vec3d(std::cos(2.0 * k), std::sin(3.0 * k), 0);
+            auto obstacles = std::make_shared<ObstacleSet>(surface.transform());
+            obstacles->addBox({at.x(), at.y() - 2, -2}, {at.x() + 3 / kN, at.y(), 2});
+            obstacles->addBox({at.x(), at.y() + width / kN, -2}, {at.x() + 3 / kN, at.y() + 2, 2});
+            SolverOptions options;
+            options.metric.obstacles = obstacles;
+            const Vec3d seed = kCenter - Vec3d(0.3, 0, -0.1);
+            const std::vector<std::string> warnings =
+                marchWarnings(GeodesicSolver(surface, options).distance({fromVdb(seed)}));
+            for (const std::string& w : warnings) {
+                ++warned;
+                CHECK(w.find("passages narrower than a voxel") != std::string::npos);
+            }
+        }
+        std::printf("passages of %.1f voxels: %d of 24 warn\n", width, warned);
+        CHECK(warned >= least);
+        if (width > 1) CHECK(warned == 0);
     }
 }
 

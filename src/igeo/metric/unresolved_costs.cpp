@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numbers>
 
 namespace igeo {
 
@@ -74,6 +75,54 @@ bool isSteep(const Band& band, const Metric& metric, NodeIndex i) {
     return found;
 }
 
+/// Whether a narrow passage between obstacles leads over the segment from a to b, both of which are
+/// inside: a part of the segment is free, and from its middle a line of 1.5 voxels to each side.
+bool isPassage(const Metric& metric, const Vec3d& a, const Vec3d& b, const Vec3d& normal) {
+    constexpr double kSpacing = 0.1, kNarrow = 1, kBeyond = 1.5;  // voxels
+    constexpr int kSlants = 40;
+    const Vec3d step = b - a, along = normalized(step), across = normalized(cross(normal, step));
+    const auto isFree = [&](double t) {
+        const Vec3d p = a + t * step;
+        return !metric.blocked(p, p, normal);
+    };
+    const int count = int(std::ceil(length(step) / kSpacing));
+    for (int k = 1; k < count; ++k) {
+        if (!isFree(double(k) / count)) continue;
+        const int first = k;
+        while (k < count && isFree(double(k) / count)) ++k;
+        if ((k - first) * kSpacing > kNarrow) return false;
+        const Vec3d p = a + (first + k - 1) / (2.0 * count) * step;
+        const auto leadsOn = [&](double side) {
+            for (int slant = -kSlants; slant <= kSlants; ++slant) {
+                const double angle = slant * std::numbers::pi / 3 / kSlants;
+                const Vec3d line = side * std::cos(angle) * across + std::sin(angle) * along;
+                if (!metric.blocked(p, p + kBeyond * line, normal)) return true;
+            }
+            return false;
+        };
+        return leadsOn(-1) && leadsOn(1);
+    }
+    return false;
+}
+
+/// Whether a narrow passage leads between a node inside an obstacle, beside one outside, and
+/// another inside.
+bool isBesidePassage(const Band& band, const Metric& metric, NodeIndex i) {
+    const Vec3d foot = band.footPoint(i), normal(band.normal[i]);
+    if (!metric.inside(i) || !metric.blocked(foot, foot, normal)) return false;
+    bool isAtRim = false, found = false;
+    band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex k, int, int, int) {
+        isAtRim = isAtRim || (band.inCore(k) && !metric.inside(k));
+    });
+    if (!isAtRim) return false;
+    band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex k, int, int, int) {
+        if (found || k < i || !band.inCore(k) || !metric.inside(k) || !band.linked(i, k)) return;
+        const Vec3d other = band.footPoint(k);
+        found = metric.blocked(other, other, normal) && isPassage(metric, foot, other, normal);
+    });
+    return found;
+}
+
 /// The share of the nodes next to S for which `holds` does.
 template <typename Holds>
 double shareOfCore(const Band& band, const Holds& holds) {
@@ -104,6 +153,18 @@ double shareOfSteepWeights(const Band& band, const Metric& metric) {
     return shareOfCore(band, [&](NodeIndex i) { return isSteep(band, metric, i); });
 }
 
+double shareAtNarrowPassages(const Band& band, const Metric& metric) {
+    if (!metric.obstacles || band.coreSize() == 0) return 0;
+    std::atomic<std::size_t> count{0};
+    parallelFor(band.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        std::size_t found = 0;
+        for (std::size_t i = begin; i < end; ++i)
+            found += band.inCore(NodeIndex(i)) && isBesidePassage(band, metric, NodeIndex(i));
+        count += found;
+    });
+    return double(count) / double(band.coreSize());
+}
+
 std::vector<std::string> costWarnings(const Band& band, const Metric& metric, bool byJet) {
     constexpr double kSteep = 0.08, kTurning = 0.01;
     std::vector<std::string> warnings;
@@ -114,6 +175,11 @@ std::vector<std::string> costWarnings(const Band& band, const Metric& metric, bo
             "the voxels: where they are less than 15 degrees apart, distances with weights or "
             "obstacles are off by up to 15 voxels from sheet to sheet; use smaller voxels, or one "
             "cost everywhere");
+    if (const double share = shareAtNarrowPassages(band, metric); share > 0)
+        warnings.push_back("obstacles leave passages narrower than a voxel beside " +
+                           percent(share) +
+                           " of the surface: paths may not lead through them, and distances come "
+                           "out too long; use smaller voxels, or close the passages");
     if (const double share = shareOfSteepWeights(band, metric); share > kSteep)
         warnings.push_back("on " + percent(share) +
                            " of the surface weights change by more than 40 % per voxel: distances "

@@ -28,10 +28,17 @@ double shareOfTurningTensors(const Band& band, const Metric& metric);
 /// Time O(1), as above.
 double shareOfSteepWeights(const Band& band, const Metric& metric);
 
-/// Sentences on costs with which distances may be off: where three or more pages of a mesh share an
-/// edge, one of them without nodes beside it (fronts pass to such pages well only where one cost is
-/// everywhere and no obstacle, Band::spine), and where weights change and tensors turn within a few
-/// voxels (both shares above).
+/// The share of the nodes next to S that lie inside an obstacle beside a passage narrower than a
+/// voxel, which leads on for 1.5 voxels to both sides. In it there may be no node, so that no front
+/// passes (docs/trials.md, Obstacles). Passages between obstacles without nodes inside, as thin
+/// walls, are not seen.
+/// @return 0 without obstacles
+/// Time O(n), times the obstacles at their rims. In parallel.
+double shareAtNarrowPassages(const Band& band, const Metric& metric);
+
+/// Sentences on costs with which distances may be off: on three or more pages of a mesh that share
+/// an edge, one of them without nodes beside it (fronts pass to such pages well only where one cost
+/// is everywhere and no obstacle, Band::spine), and on each of the three shares above.
 /// @param byJet  whether the scheme is jet
 std::vector<std::string> costWarnings(const Band& band, const Metric& metric, bool byJet);
 
