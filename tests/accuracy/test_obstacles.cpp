@@ -235,6 +235,16 @@ double throughGates(const Vec3d& from, const std::array<Vec3d, 2>& near,
     });
 }
 
+/// Two blocks from x0 to x1, with a passage from y0 to y1 between them.
+SolverOptions twoBlocks(const Surface& surface, double x0, double x1, double y0, double y1) {
+    auto obstacles = std::make_shared<ObstacleSet>(surface.transform());
+    obstacles->addBox({x0, y0 - 2, -2}, {x1, y0, 2});
+    obstacles->addBox({x0, y1, -2}, {x1, y1 + 2, 2});
+    SolverOptions options;
+    options.metric.obstacles = obstacles;
+    return options;
+}
+
 TEST_CASE("obstacles: fronts pass between two blocks as a string does") {
     constexpr double kN = 64;
     const Vec3d normal = Vec3d(1, -2, 3).unit(), x = normal.cross(Vec3d(0.3, 1, 0.2)).unit(),
@@ -257,11 +267,7 @@ TEST_CASE("obstacles: fronts pass between two blocks as a string does") {
             const double x0 = kCenter.x() + 0.04 * std::cos(2.0 * k),
                          x1 = x0 + (1 + k % 5) * 0.4 / kN,
                          y0 = kCenter.y() + 0.04 * std::sin(3.0 * k), y1 = y0 + gap;
-            auto obstacles = std::make_shared<ObstacleSet>(surface.transform());
-            obstacles->addBox({x0, y0 - 2, -2}, {x1, y0, 2});
-            obstacles->addBox({x0, y1, -2}, {x1, y1 + 2, 2});
-            SolverOptions options;
-            options.metric.obstacles = obstacles;
+            const SolverOptions options = twoBlocks(surface, x0, x1, y0, y1);
             const Vec3d seed = onPlane(x0 - 0.15, y0 + 0.1 * std::cos(0.7 * k));
             const Distance d = GeodesicSolver(surface, options).distance({fromVdb(seed)});
             const Vec3d from = seedOf(d);
@@ -302,11 +308,8 @@ TEST_CASE("obstacles: passages narrower than a voxel are warned of") {
         int warned = 0;
         for (int k = 0; k < 24; ++k) {
             const Vec3d at = kCenter + 0.04 * Vec3d(std::cos(2.0 * k), std::sin(3.0 * k), 0);
-            auto obstacles = std::make_shared<ObstacleSet>(surface.transform());
-            obstacles->addBox({at.x(), at.y() - 2, -2}, {at.x() + 3 / kN, at.y(), 2});
-            obstacles->addBox({at.x(), at.y() + width / kN, -2}, {at.x() + 3 / kN, at.y() + 2, 2});
-            SolverOptions options;
-            options.metric.obstacles = obstacles;
+            const SolverOptions options =
+                twoBlocks(surface, at.x(), at.x() + 3 / kN, at.y(), at.y() + width / kN);
             const Vec3d seed = kCenter - Vec3d(0.3, 0, -0.1);
             const std::vector<std::string> warnings =
                 marchWarnings(GeodesicSolver(surface, options).distance({fromVdb(seed)}));

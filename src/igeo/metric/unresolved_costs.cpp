@@ -108,13 +108,13 @@ bool isPassage(const Metric& metric, const Vec3d& a, const Vec3d& b, const Vec3d
 /// Whether a narrow passage leads between a node inside an obstacle, beside one outside, and
 /// another inside.
 bool isBesidePassage(const Band& band, const Metric& metric, NodeIndex i) {
-    const Vec3d foot = band.footPoint(i), normal(band.normal[i]);
-    if (!metric.inside(i) || !metric.blocked(foot, foot, normal)) return false;
+    if (!metric.inside(i)) return false;
     bool isAtRim = false, found = false;
     band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex k, int, int, int) {
         isAtRim = isAtRim || (band.inCore(k) && !metric.inside(k));
     });
-    if (!isAtRim) return false;
+    const Vec3d foot = band.footPoint(i), normal(band.normal[i]);
+    if (!isAtRim || !metric.blocked(foot, foot, normal)) return false;
     band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex k, int, int, int) {
         if (found || k < i || !band.inCore(k) || !metric.inside(k) || !band.linked(i, k)) return;
         const Vec3d other = band.footPoint(k);
@@ -123,11 +123,14 @@ bool isBesidePassage(const Band& band, const Metric& metric, NodeIndex i) {
     return found;
 }
 
+/// Nodes to look at for a share that single ones do not decide; a quarter of them is next to S.
+constexpr std::size_t kEnough = 200'000;
+
 /// The share of the nodes next to S for which `holds` does.
+/// @param most  nodes to look at
 template <typename Holds>
-double shareOfCore(const Band& band, const Holds& holds) {
-    constexpr std::size_t kMost = 200'000;  // a quarter of them is next to S
-    const std::size_t stride = (band.size() + kMost - 1) / kMost;
+double shareOfCore(const Band& band, const Holds& holds, std::size_t most = kEnough) {
+    const std::size_t stride = (band.size() + most - 1) / std::max<std::size_t>(most, 1);
     std::atomic<std::size_t> count{0}, all{0};
     parallelFor(band.size() / std::max<std::size_t>(stride, 1), 1024,
                 [&](std::size_t begin, std::size_t end) {
@@ -154,15 +157,9 @@ double shareOfSteepWeights(const Band& band, const Metric& metric) {
 }
 
 double shareAtNarrowPassages(const Band& band, const Metric& metric) {
-    if (!metric.obstacles || band.coreSize() == 0) return 0;
-    std::atomic<std::size_t> count{0};
-    parallelFor(band.size(), 1024, [&](std::size_t begin, std::size_t end) {
-        std::size_t found = 0;
-        for (std::size_t i = begin; i < end; ++i)
-            found += band.inCore(NodeIndex(i)) && isBesidePassage(band, metric, NodeIndex(i));
-        count += found;
-    });
-    return double(count) / double(band.coreSize());
+    if (!metric.obstacles) return 0;
+    return shareOfCore(
+        band, [&](NodeIndex i) { return isBesidePassage(band, metric, i); }, band.size());
 }
 
 std::vector<std::string> costWarnings(const Band& band, const Metric& metric, bool byJet) {

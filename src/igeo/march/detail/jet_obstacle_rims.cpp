@@ -134,6 +134,7 @@ std::optional<Vec3d> highestOver(const Metric& metric, const Vec3d& a, const Vec
                         });
     // Over an end of the step the obstacle may go on.
     if (first < kBeside || last > 1 - kBeside) return {};
+    // Just below its top a round one is wide.
     if (height < kLeastRound && (last - first) * length(along) > kWide) return {};
     return a + (first + last) / 2 * along + height * out;
 }
