@@ -390,10 +390,11 @@ std::optional<Extension::Found> Extension::byTwoFronts(const Doubtful::Node& nod
     for (std::size_t k = 0; k < around.count; ++k) {
         const Around::Node& n = around.node[k];
         if (n.source != around.node[0].source) return {};
-        neighbors[k] = {n.core, n.jet.a, jets_.meetings->bothAt(n.core)};
+        neighbors[k] = {linkTo(node.local.frame, n.core, core_.nodes[n.core].normal, n.jet.a),
+                        jets_.meetings->bothAt(n.core)};
     }
-    const auto found = TwoFrontsFit(jets_).solve(node.local.frame, {neighbors.data(), around.count},
-                                                 before, kMostOff, TwoFrontsFit::kLargestAngle);
+    const auto found = TwoFrontsFit(jets_).solve({neighbors.data(), around.count}, before, kMostOff,
+                                                 TwoFrontsFit::kLargestAngle);
     if (!found || !found->isBeside()) return {};
     return fromChart(found->u, found->g, around.node[0].source, node.local);
 }

@@ -6,9 +6,9 @@
 
 namespace igeo {
 
-void JetLanes::pad() {
+void JetLanes::pad(std::size_t lanes) {
     const std::uint32_t most = *std::max_element(count.begin(), count.end());
-    for (std::size_t lane = 0; lane < count.size(); ++lane)
+    for (std::size_t lane = 0; lane < lanes; ++lane)
         for (std::size_t k = count[lane]; k < most; ++k) {
             Neighbor& n = neighbor[k];
             n.ax[lane] = n.ay[lane] = n.gx[lane] = n.gy[lane] = 0;

@@ -46,8 +46,8 @@ struct JetLanes {
         const Neighbor& n = neighbor[k];
         return {{n.ax[lane], n.ay[lane]}, {n.gx[lane], n.gy[lane]}, double(n.u[lane])};
     }
-    /// Makes lanes as long as the longest. What is filled in belongs to no front.
-    void pad();
+    /// Makes the first lanes as long as the longest. What is filled in belongs to no front.
+    void pad(std::size_t lanes = Lanes::kNodes);
 };
 
 /// Which fronts the neighbors of a node belong to, and what they say one by one, relative to

@@ -70,7 +70,12 @@ public:
     bool empty() const { return blocks_.empty(); }
     std::size_t blockCount() const { return blocks_.size(); }
     /// Makes the block of a node, unless it is there. Several threads may ask for one at a time.
-    void make(const JetCore& core, NodeIndex i) { makeRows(core, i, kAllRows); }
+    /// @return whether it was not there
+    bool make(const JetCore& core, NodeIndex i) {
+        if (blockOf(i)) return false;
+        makeBlock(core, i, kAllRows, {});
+        return true;
+    }
     void make(const JetCore& core, NodeIndex i, const JetStencil& stencil) {
         if (!blockOf(i)) makeBlock(core, i, kAllRows, stencil);
     }

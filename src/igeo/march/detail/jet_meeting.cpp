@@ -286,7 +286,7 @@ std::shared_ptr<const Meetings> findMeetings(CoreJets& jets, JetLinks& own,
     Marks near(core.nodes.size());
     std::vector<Meeting> found = MeetingSearch(jets, own, near).find(nodes);
     if (found.empty()) return nullptr;
-    std::vector<TwoFronts> both = carryTwoFronts(jets, found, near);
+    std::vector<TwoFronts> both = carryTwoFronts(jets, own, found, near);
     return std::make_shared<const Meetings>(jets, std::move(found), std::move(near),
                                             std::move(both));
 }

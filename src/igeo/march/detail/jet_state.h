@@ -77,14 +77,14 @@ struct MeetingFronts {
 struct TwoFronts {
     struct Front {
         double u = kInfinity;  ///< +inf: it was not carried on to the node
-        Vec3f g;               ///< direction of travel
+        Vec2f g;               ///< direction of travel, in the chart of the node
     };
     NodeIndex node = kNoNode;
     std::uint32_t locus = 0;  ///< its number: fronts of one locus have one order
     double key = 0;           ///< nodes with a greater one were solved later
     std::array<Front, 2> front;
     double apart = 0;  ///< by how much the first front comes later than the second
-    Vec3f turn;        ///< direction of the first less that of the second
+    Vec2f turn;        ///< direction of the first less that of the second
 };
 
 struct CoreJets;

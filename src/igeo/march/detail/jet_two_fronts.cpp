@@ -17,11 +17,40 @@ namespace {
 
 using Meeting = Meetings::Meeting;
 
+/// The links of the core after a march.
+class LinksOnDemand {
+public:
+    /// @param own  of the march, where the core has none: made again where they are needed
+    LinksOnDemand(const JetCore& core, JetLinks& own) : core_(core), own_(own) {}
+
+    JetLinks::Row rowOf(NodeIndex i) {
+        if (!core_.links.empty()) return core_.links.rowAt(i);
+        if (own_.make(core_, i)) made_.push_back(i);
+        return own_.rowAt(i);
+    }
+    /// Drops what was made.
+    void dropAll() {
+        for (const NodeIndex i : made_) own_.drop(i);
+        made_.clear();
+    }
+
+private:
+    const JetCore& core_;
+    JetLinks& own_;
+    std::vector<NodeIndex> made_;  ///< one per block
+};
+
 /// Follows loci through the core.
 class Loci {
 public:
-    Loci(CoreJets& jets, std::vector<Meeting>& meetings, std::vector<std::uint8_t>& near)
-        : jets_(jets), core_(*jets.core), meetings_(meetings), near_(near), fit_(jets) {}
+    Loci(CoreJets& jets, JetLinks& own, std::vector<Meeting>& meetings,
+         std::vector<std::uint8_t>& near)
+        : jets_(jets),
+          core_(*jets.core),
+          links_(core_, own),
+          meetings_(meetings),
+          near_(near),
+          fit_(jets) {}
 
     std::vector<TwoFronts> carry() {
         // Equal distances, in symmetric places, by voxel: numbers of nodes depend on the leaves.
@@ -37,6 +66,7 @@ public:
             for (const Meeting& start : wideBehind(*m))
                 if (begin(start)) break;
             while (!queue_.empty()) solveNext();
+            links_.dropAll();
         }
         std::vector<TwoFronts> all;
         for (const auto& [k, both] : solved_)
@@ -122,7 +152,7 @@ private:
                 const Meeting* const other = meetingAt(j);
                 if (!other || other->fronts.count == 0) return;
                 const Vec3f& normal = core_.nodes[j].normal;
-                const Vec2f g = turnedInto(frame, normal,
+                const Vec2f g = turnedInto(frame, normal, dot(node.normal, normal),
                                            TangentFrame(normal, faceted).lift(other->fronts.g[0]));
                 if (const float cosine = dot(g, fronts.g[0]); cosine < least)
                     least = cosine, fronts.g[1] = g, fronts.count = 2;
@@ -133,49 +163,46 @@ private:
     /// Sets the neighbors of a node.
     /// @param before  those solved again count up to here
     /// @return whether S is smooth there
-    bool gather(NodeIndex i, const TangentFrame& frame, double before) {
+    bool gather(NodeIndex i, double before) {
         around_.clear();
         const JetNode& node = core_.nodes[i];
         if (node.obstacleState != Metric::Clear || node.facing & Band::kStretched) return false;
+        const auto [row, creased] = links_.rowOf(i);
+        if (creased) return false;
         const std::uint32_t label = jets_.labelOf(i);
-        bool smooth = true;
-        forLinks(core_, i, [&](NodeIndex j, const Ijk&, const Vec3f& chord, float cosine) {
-            smooth &= cosine >= JetLink::kSmooth;
-            if (!smooth || !jets_.accepted(j) || jets_.labelOf(j) != label) return;
-            const auto at = solved_.find(j);
+        for (const JetLink& link : row) {
+            if (!jets_.accepted(link.node()) || jets_.labelOf(link.node()) != label) continue;
+            const auto at = solved_.find(link.node());
             const bool counts =
                 at != solved_.end() && at->second.locus == locus_ && at->second.key < before;
-            around_.push_back({j, frame.unfold(chord, core_.nodes[j].normal, cosine),
-                               counts ? &at->second : nullptr});
-        });
-        return smooth;
+            around_.push_back({link, counts ? &at->second : nullptr});
+        }
+        return true;
     }
 
     /// Begins a locus at a meeting.
     bool begin(const Meeting& start) {
         ++locus_;
-        const TangentFrame frame = core_.localFrame(start.node).frame;
         const double before = marchedAt(jets_, start.node);
-        if (solved_.contains(start.node) || !gather(start.node, frame, 0)) return false;
-        std::optional<TwoFrontsFit::Found> found = fit_.begin(frame, around_, before, start.fronts);
+        if (solved_.contains(start.node) || !gather(start.node, 0)) return false;
+        std::optional<TwoFrontsFit::Found> found = fit_.begin(around_, before, start.fronts);
         if (!found || found->angle > kMostAtBegin) return false;
         largest_ = found->angle;
-        take(start.node, before, frame, 0, *found);
+        take(start.node, before, 0, *found);
         return true;
     }
 
     void solveNext() {
         const auto [key, i] = queue_.top();
         queue_.pop();
-        const TangentFrame frame = core_.localFrame(i).frame;
-        if (solved_.contains(i) || !gather(i, frame, key)) return;
+        if (solved_.contains(i) || !gather(i, key)) return;
         const double before = marchedAt(jets_, i);
-        std::optional<TwoFrontsFit::Found> found = fit_.solve(frame, around_, before);
+        std::optional<TwoFrontsFit::Found> found = fit_.solve(around_, before);
         // Where other fronts meet, or the angle grows, rays do better.
         if (!found || found->angle > largest_ + kGrowth || (!found->isBeside() && meetingAt(i)))
             return;
         if (found->angle < TwoFrontsFit::kLargestAngle) write(i, *found);
-        take(i, key, frame, std::abs(found->u - before), *found);
+        take(i, key, std::abs(found->u - before), *found);
     }
     void write(NodeIndex i, const TwoFrontsFit::Found& found) {
         const JetNode& node = core_.nodes[i];
@@ -189,27 +216,27 @@ private:
 
     /// Takes what was found at a node, and queues the nodes that depend on it.
     /// @param change  of its value
-    void take(NodeIndex i, double key, const TangentFrame& frame, double change,
-              TwoFrontsFit::Found& found) {
+    void take(NodeIndex i, double key, double change, TwoFrontsFit::Found& found) {
         constexpr double kChange = 0.002;  // voxels
         TwoFronts& both = found.both;
         both.node = i, both.locus = locus_, both.key = key;
         if (found.isBeside()) near_[i] |= Meetings::kBoth;
-        const Vec2f turn = frame.flat(both.turn);
+        const float width = (TwoFrontsFit::kWidth + 1) * length(both.turn);
         for (const Neighbor& n : around_) {
-            if (n.both || solved_.contains(n.node)) continue;
-            const double apart = std::abs(both.apart - double(dot(turn, n.a)));
+            const NodeIndex j = n.link.node();
+            if (n.both || solved_.contains(j)) continue;
+            const double apart = std::abs(both.apart - double(dot(both.turn, n.link.a())));
             // The later front of a node comes so late.
-            const bool beside =
-                found.isBeside() && apart <= double((TwoFrontsFit::kWidth + 1) * length(turn));
-            const double at = marchedAt(jets_, n.node) + (beside ? apart : 0);
-            if (at > key && (beside || change > kChange)) queue_.push({at, n.node});
+            const bool beside = found.isBeside() && apart <= double(width);
+            const double at = marchedAt(jets_, j) + (beside ? apart : 0);
+            if (at > key && (beside || change > kChange)) queue_.push({at, j});
         }
         solved_.insert({i, both});
     }
 
     CoreJets& jets_;
     const JetCore& core_;
+    LinksOnDemand links_;
     std::vector<Meeting>& meetings_;
     std::vector<std::uint8_t>& near_;
     TwoFrontsFit fit_;
@@ -223,9 +250,9 @@ private:
 
 }  // namespace
 
-std::vector<TwoFronts> carryTwoFronts(CoreJets& jets, std::vector<Meeting>& meetings,
+std::vector<TwoFronts> carryTwoFronts(CoreJets& jets, JetLinks& own, std::vector<Meeting>& meetings,
                                       std::vector<std::uint8_t>& near) {
-    return Loci(jets, meetings, near).carry();
+    return Loci(jets, own, meetings, near).carry();
 }
 
 }  // namespace igeo

@@ -21,10 +21,12 @@ namespace igeo {
 /// Solves the core beside cut loci along which the angle between two fronts falls below 20 degrees
 /// from 36 or more. A locus that begins with small angles, at a cusp, is left: the angle grows
 /// there, and the march errs no more than elsewhere. In one thread; time O(nodes beside them).
+/// @param own       where the core has no links: those of the march, made again here
 /// @param meetings  ascending; those that are solved here lose their fronts
 /// @param near      marks as those of Meetings
 /// @return both fronts at nodes within kWidth, ascending
-std::vector<TwoFronts> carryTwoFronts(CoreJets& jets, std::vector<Meetings::Meeting>& meetings,
+std::vector<TwoFronts> carryTwoFronts(CoreJets& jets, JetLinks& own,
+                                      std::vector<Meetings::Meeting>& meetings,
                                       std::vector<std::uint8_t>& near);
 
 }  // namespace igeo

@@ -5,29 +5,29 @@
 
 namespace igeo {
 
-JetNeighbor TwoFrontsFit::marched(const TangentFrame& frame, const Neighbor& n) const {
-    const Vec3f g = jets_.gradientOf(n.node, jets_.state[n.node]);
-    return {n.a, turnedInto(frame, jets_.core->nodes[n.node].normal, g), marchedAt(jets_, n.node)};
+TwoFrontsFit::TwoFrontsFit(const CoreJets& jets) : jets_(jets) {
+    lanes_.pull = jets.core->pull();
+    lanes_.base = {};
+    lanes_.count[0] = JetLanes::kMax;
+    lanes_.pad();
 }
 
-bool TwoFrontsFit::layOut(const TangentFrame& frame, std::span<const Neighbor> around,
-                          const Neighbor& from, double before) {
+bool TwoFrontsFit::layOut(std::span<const Neighbor> around, const Neighbor& from, double before) {
     constexpr float kOther = 0.7f;  // cosine
-    const auto& nodes = jets_.core->nodes;
     for (std::size_t f = 0; f < 2; ++f) of_[f].clear(), lead_[f] = {};
-    for (const Neighbor& n : around) {
-        if (!n.both || n.both->locus != from.both->locus) {
-            const double apart = apart_ - double(dot(turn_, n.a));
-            of_[apart < 0 ? 0 : 1].push_back(marched(frame, n));
+    for (const auto& [link, both] : around) {
+        if (!both || both->locus != from.both->locus) {
+            const double apart = apart_ - double(dot(turn_, link.a()));
+            of_[apart < 0 ? 0 : 1].push_back(marched(link));
             continue;
         }
         for (std::size_t f = 0; f < 2; ++f)
-            if (const TwoFronts::Front& front = n.both->front[f]; front.u < kInfinity)
-                of_[f].push_back({n.a, turnedInto(frame, nodes[n.node].normal, front.g), front.u});
+            if (const TwoFronts::Front& front = both->front[f]; front.u < kInfinity)
+                of_[f].push_back({link.a(), link.turned(front.g), front.u});
     }
     for (std::size_t f = 0; f < 2; ++f) {
         if (const TwoFronts::Front& front = from.both->front[f]; front.u < kInfinity)
-            lead_[f] = turnedInto(frame, nodes[from.node].normal, front.g);
+            lead_[f] = from.link.turned(front.g);
         else
             for (const JetNeighbor& n : of_[f]) lead_[f] = lead_[f] + n.g;
         if (const float l = length(lead_[f]); l > 0) lead_[f] = (1 / l) * lead_[f];
@@ -37,9 +37,9 @@ bool TwoFrontsFit::layOut(const TangentFrame& frame, std::span<const Neighbor> a
     return true;
 }
 
-void TwoFrontsFit::fit(const TangentFrame& frame, double before, Found& found) {
+void TwoFrontsFit::fit(double before, Found& found) {
+    if (std::max(of_[0].size(), of_[1].size()) > JetLanes::kMax) return;
     Lanes x{}, y{};
-    lanes_.base = {}, lanes_.count = {}, lanes_.pull = jets_.core->pull();
     for (std::size_t f = 0; f < 2; ++f) {
         lanes_.base[f] = float(before), lanes_.count[f] = std::uint32_t(of_[f].size());
         x[f] = lead_[f].x, y[f] = lead_[f].y;
@@ -50,13 +50,13 @@ void TwoFrontsFit::fit(const TangentFrame& frame, double before, Found& found) {
             to.u[f] = float(n.u - before);
         }
     }
-    lanes_.pad();
+    lanes_.pad(2);
     fitFronts(lanes_, x, y, fits_);
     for (std::size_t f = 0; f < 2; ++f) {
         const std::optional<double> u = valueOf(f, before);
         if (!u) continue;
         const Vec2f g{fits_.gx[f], fits_.gy[f]};
-        found.both.front[f] = {*u, frame.lift(g)};
+        found.both.front[f] = {*u, g};
         if (*u < found.u) found.u = *u, found.g = g;
     }
     if (const auto& [a, b] = found.both.front; a.u < kInfinity && b.u < kInfinity)
@@ -74,45 +74,43 @@ std::optional<double> TwoFrontsFit::valueOf(std::size_t front, double before) co
     return u;
 }
 
-std::optional<TwoFrontsFit::Found> TwoFrontsFit::solve(const TangentFrame& frame,
-                                                       std::span<const Neighbor> around,
+std::optional<TwoFrontsFit::Found> TwoFrontsFit::solve(std::span<const Neighbor> around,
                                                        double before, float mostOff,
                                                        float mostAngle) {
     constexpr double kFallbackError = 0.25;  // voxels
     const Neighbor* from = nullptr;
+    float nearest = float(kInfinity);
     for (const Neighbor& n : around)
-        if (n.both && (!from || dot(n.a, n.a) < dot(from->a, from->a))) from = &n;
+        if (const float off = dot(n.link.a(), n.link.a()); n.both && off < nearest)
+            nearest = off, from = &n;
     if (!from) return {};
-    turn_ = turnedInto(frame, jets_.core->nodes[from->node].normal, from->both->turn);
-    apart_ = from->both->apart + double(dot(turn_, from->a));
+    turn_ = from->link.turned(from->both->turn);
+    apart_ = from->both->apart + double(dot(turn_, from->link.a()));
     const float angle = length(turn_), off = float(std::abs(apart_)) / angle;
-    if (off > mostOff || angle > mostAngle || !layOut(frame, around, *from, before)) return {};
+    if (off > mostOff || angle > mostAngle || !layOut(around, *from, before)) return {};
     const std::size_t own = apart_ < 0 ? 0 : 1, other = 1 - own;
     const bool asOne = angle < kLeastAngle;
     if (asOne) of_[own].insert(of_[own].end(), of_[other].begin(), of_[other].end());
     if (asOne || off > kWidth) of_[other].clear();
-    if (of_[own].size() > JetLanes::kMax) return {};
-    Found found{
-        {kNoNode, from->both->locus, 0, {}, apart_, frame.lift(turn_)}, kInfinity, {}, angle, off};
-    fit(frame, before, found);
+    Found found{{kNoNode, from->both->locus, 0, {}, apart_, turn_}, kInfinity, {}, angle, off};
+    fit(before, found);
     if (!(found.both.front[own].u < kInfinity) || std::abs(found.u - before) > kFallbackError)
         return {};
     return found;
 }
 
-std::optional<TwoFrontsFit::Found> TwoFrontsFit::begin(const TangentFrame& frame,
-                                                       std::span<const Neighbor> around,
+std::optional<TwoFrontsFit::Found> TwoFrontsFit::begin(std::span<const Neighbor> around,
                                                        double before, const MeetingFronts& fronts) {
     constexpr float kSame = 0.9f;  // cosine
     constexpr double kBeside = 1;  // voxels
     for (std::size_t f = 0; f < 2; ++f) of_[f].clear(), lead_[f] = fronts.g[f];
     for (const Neighbor& n : around) {
-        const JetNeighbor jet = marched(frame, n);
+        const JetNeighbor jet = marched(n.link);
         const float first = dot(jet.g, lead_[0]), second = dot(jet.g, lead_[1]);
         if (std::max(first, second) > kSame) of_[first > second ? 0 : 1].push_back(jet);
     }
     Found found{{}, kInfinity, {}, 0, 0};
-    fit(frame, before, found);
+    fit(before, found);
     const auto& [a, b] = found.both.front;
     if (!(a.u < kInfinity && b.u < kInfinity && std::abs(a.u - b.u) < kBeside)) return {};
     found.angle = length(found.both.turn);
