@@ -2,6 +2,7 @@
 """Compares the program with others: the same level set, the same seed, one run of each in turn.
 
 usage: scripts/compare.py --models DIR   everything; tables into docs/benchmarks.md and README.md
+       scripts/compare.py --models DIR --errors   the tables of errors alone, on a busy machine too
        scripts/compare.py --quick        small exact shapes only, nothing is written into docs
 
 The others are OpenVDB's maskSdf in the same band and, on the mesh that OpenVDB extracts, what
@@ -216,7 +217,7 @@ def plan(options, peers):
         with_exact = not options.quick and n <= (200 if options.full else 100)
         return [*OURS, *(ALL_PEERS if with_exact else PEERS)]
 
-    rounds = 1 if options.quick else options.rounds
+    rounds = 1 if options.quick or options.errors else options.rounds
     sizes = (50, 100) if options.quick else (50, 100, 200, 400)
     for name, samples in (("sphere", 0), ("torus", 4000)):  # a distance on the torus takes 2 ms
         for n in sizes if name == "sphere" else sizes[:3]:
@@ -253,7 +254,7 @@ def compare_all(options):
                          for method, run in done.items())
         print(f"{name}: {best}", flush=True)
         measure.save(results, options.saved)
-    if not options.quick and not options.only:
+    if not (options.quick or options.only or options.errors):
         results["growth"] = growth(options.tools, (100, 200, 400, 800) + ((1700,) if options.full else ()))
     return results
 
@@ -265,6 +266,8 @@ def main():
     parser.add_argument("--quick", action="store_true", help="small shapes only, not into docs/")
     parser.add_argument("--full", action="store_true",
                         help="with what takes minutes: everything at N = 400, exact at N = 200")
+    parser.add_argument("--errors", action="store_true",
+                        help="of the tables those of errors alone; each method runs once")
     parser.add_argument("--only", metavar="CASES", help="cases that begin so, with commas between; "
                         "not into docs/")
     parser.add_argument("--rounds", type=int, default=3, help="of which times are medians [3]")
@@ -287,8 +290,11 @@ def main():
     if options.quick or options.only:
         print(compare_tables.overview(results))
     elif options.models or options.again:
-        compare_tables.write_documents(results)
-        compare_tables.draw(results)
+        if options.errors:
+            compare_tables.write_errors(results)
+        else:
+            compare_tables.write_documents(results)
+            compare_tables.draw(results)
         if options.models and not options.again:
             pictures(options.tools, options.folder, options.models)
     sys.exit(not measure.check(results, "scripts/compare.py"))

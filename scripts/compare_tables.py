@@ -131,14 +131,21 @@ def stages(results, name):
                                      if m in results["cases"][name])])
 
 
-def ahead(results):
+def ahead_in_error(results):
+    return ahead(results, {f"{label} error": (lambda run, k=key: run["errors"][k], "%")
+                           for key, label in zip(MEASURES, ("mean", "99th percentile of the", "largest"))})
+
+
+def ahead_in_time(results):
+    return ahead(results, {
+        "processor time to the first seed": (lambda run: run["total"]["cpu"], "s"),
+        FURTHER: (further_seed, "s"), AT_POINTS: (further_seed, "s"),
+        "peak memory": (lambda run: run["peakBytes"] / 1e6, "MB")})
+
+
+def ahead(results, measures):
     """Where others are ahead of jet on one thread: a sentence per measure and method. Further seeds
     are compared with jet on the whole band, and with its values at points."""
-    measures = {f"{label} error": (lambda run, k=key: run["errors"][k], "%")
-                for key, label in zip(MEASURES, ("mean", "99th percentile of the", "largest"))}
-    measures["processor time to the first seed"] = (lambda run: run["total"]["cpu"], "s")
-    measures[FURTHER] = measures[AT_POINTS] = (further_seed, "s")
-    measures["peak memory"] = (lambda run: run["peakBytes"] / 1e6, "MB")
     lines = []
     for quantity, (value, unit) in measures.items():
         ours = "jet-points" if quantity == AT_POINTS else "jet"
@@ -177,15 +184,28 @@ def overview(results):
     return "\n\n".join(part for part in parts if part)
 
 
+def write_errors(results):
+    """What is the same on every machine."""
+    write_parts(results, {"shapes": shape_errors, "models": model_errors,
+                          "ahead-errors": ahead_in_error,
+                          "commit": lambda r: f"Errors: {r['machine'].rsplit(', ', 1)[1]}. "
+                                              "They are the same on every machine."})
+
+
 def write_documents(results):
-    parts = {"shapes": shape_errors, "models": model_errors, "times": times, "walls": walls,
-             "further": further, "memory": memory, "ahead": ahead,
-             "stages-sphere": lambda r: stages(r, "sphere-200"),
-             "stages-bunny": lambda r: stages(r, "bunny-256-A"),
-             "machine": lambda r: f"Measured on: {r['machine']}; command: `{r['command']}`."}
+    write_errors(results)
+    write_parts(results, {
+        "times": times, "walls": walls, "further": further, "memory": memory,
+        "ahead-times": ahead_in_time,
+        "stages-sphere": lambda r: stages(r, "sphere-200"),
+        "stages-bunny": lambda r: stages(r, "bunny-256-A"),
+        "machine": lambda r: f"Times and memory: {r['machine']}; command: `{r['command']}`."})
+    measure.rewrite(README, "compare", readme(results))
+
+
+def write_parts(results, parts):
     for name, make in parts.items():
         measure.rewrite(BENCHMARKS, f"compare-{name}", make(results))
-    measure.rewrite(README, "compare", readme(results))
 
 
 def draw(results):

@@ -74,17 +74,18 @@ class Words(unittest.TestCase):
         self.assertEqual(compare_tables.title("cad-anchor-256-B"), "cad-anchor, 256, seed B")
 
     def test_every_measure_in_which_another_is_ahead_is_said(self):
-        self.assertEqual(compare_tables.ahead(self.RESULTS).splitlines(), [
+        self.assertEqual(compare_tables.ahead_in_error(self.RESULTS).splitlines(), [
             "- *mean error*, exact on the mesh: sphere, N = 100 (0.050 against 0.10 %).",
             "- *99th percentile of the error*, exact on the mesh: sphere, N = 100 (0.10 against 0.20 %).",
-            "- *largest error*, exact on the mesh: sphere, N = 100 (0.15 against 0.30 %).",
+            "- *largest error*, exact on the mesh: sphere, N = 100 (0.15 against 0.30 %)."])
+        self.assertEqual(compare_tables.ahead_in_time(self.RESULTS).splitlines(), [
             "- *processor time of a further seed*, heat: sphere, N = 100 (0.50 against 1.0 s)."])
 
     def test_further_seeds_are_compared_with_values_at_points_too(self):
         case = {**self.RESULTS["cases"]["sphere-100"], "jet-points": run(0.1, 1, 5e6, 0.6)}
         results = {"cases": {"sphere-100": case}}
         self.assertIn("- *processor time of a further seed, against `jet` with values at 1,000 points*, heat: "
-                      "sphere, N = 100 (0.50 against 0.60 s).", compare_tables.ahead(results).splitlines())
+                      "sphere, N = 100 (0.50 against 0.60 s).", compare_tables.ahead_in_time(results).splitlines())
         *_, row = compare_tables.further(results).splitlines()
         self.assertEqual(row.split(" | ")[1:], ["1.0", *4 * "-", "**0.50**", *4 * "-", "90", "0.60 |"])
         self.assertNotIn("1,000", compare_tables.times(results))
