@@ -165,16 +165,16 @@ std::vector<Link> linksThroughWalls(const Band& band, const LevelSet& levelSet,
             band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned at) {
                 if (!beside[i]) return;
                 if (!gathered) psi.moveTo(band.leaves[l].origin), gathered = true;
-                const Vec3f& n = band.normal[i];
+                const Vec3f n = band.normal[i], foot = band.footOf(i);
+                const Vec3d from = band.footPoint(i), normal(n);
                 float off = kUnknown;
                 band.forNeighbors(
                     &BandLeaf::band, LeafIndex(l), at, [&](NodeIndex j, int dx, int dy, int dz) {
                         if (j < i || !beside[j] || dot(n, band.normal[j]) < Band::kOtherSheet)
                             return;
-                        const Vec3f chord =
-                            Vec3f(Ijk{dx, dy, dz}) + band.footOf(j) - band.footOf(i);
-                        const Chord c{band.footPoint(i), Vec3d(chord), Vec3d(n),
-                                      Vec3d(band.normal[j]), unsigned(beside[i] | beside[j])};
+                        const Vec3f along = Vec3f(Ijk{dx, dy, dz}) + band.footOf(j) - foot;
+                        const Chord c{from, Vec3d(along), normal, Vec3d(band.normal[j]),
+                                      unsigned(beside[i] | beside[j])};
                         if (cutsCorner(band, psi, c) || runsThroughWall(psi, c, off))
                             found[l].emplace_back(i, j);
                     });
